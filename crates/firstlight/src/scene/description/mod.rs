@@ -1,0 +1,58 @@
+//! A scene as plain data, fully loaded: what every reader produces and `Scene` is built from.
+//!
+//! Lengths are metres, angles radians, light is radiometric SI per colour channel (linear Rec. 709), whatever
+//! the file said. World space is right-handed. References between parts are indices into the vectors of
+//! [`SceneDescription`]; whoever makes one keeps them in range and every value finite ([`SceneDescription::check`]).
+
+mod light;
+mod material;
+mod mesh;
+mod shape;
+mod view;
+
+pub use light::{CameraLightAmount, Light, LightDescription, SpotFalloff};
+pub use material::{
+    Alpha, Material, Pattern, Pixels, Sampling, Texels, Texture, UvTransform, Wrap,
+};
+pub use mesh::Mesh;
+pub use shape::{Block, Cone, Cylinder, Disk, Plane, Quad, Shape, Sphere, Surface};
+pub use view::{CameraDescription, Exposure, FilmDescription, Filter, Projection, Shadows};
+
+use crate::color::Rgb;
+use std::sync::Arc;
+
+/// A whole scene, loaded and in SI units. Models are scenes too: see [`SceneDescription::place`].
+#[derive(Debug, Clone, Default)]
+pub struct SceneDescription {
+    /// The cameras, the one to use first. Empty: a camera is chosen that frames everything.
+    pub cameras: Vec<CameraDescription>,
+    /// Resolution, samples, filter, exposure.
+    pub film: FilmDescription,
+    /// How shadow rays are kept from hitting the surface they leave.
+    pub shadows: Shadows,
+    /// Radiance of directions that hit nothing, W·sr⁻¹·m⁻². It lights nothing.
+    pub background: Rgb,
+    /// Lumens per watt used to convert between photometric and radiometric units.
+    pub luminous_efficacy: LuminousEfficacy,
+    /// Decoded pictures that textures refer to.
+    pub images: Vec<Arc<Pixels>>,
+    /// Materials that surfaces refer to.
+    pub materials: Vec<Material>,
+    /// Triangle meshes that surfaces refer to; one used by several surfaces is stored once.
+    pub meshes: Vec<Arc<Mesh>>,
+    /// Everything that can be hit.
+    pub surfaces: Vec<Surface>,
+    /// Everything that gives light.
+    pub lights: Vec<LightDescription>,
+}
+
+/// Lumens per watt, the one number that ties photometric to radiometric units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LuminousEfficacy(pub f64);
+
+impl Default for LuminousEfficacy {
+    /// 683 lm/W, the constant K_cd of the SI definition of the candela.
+    fn default() -> Self {
+        Self(683.0)
+    }
+}

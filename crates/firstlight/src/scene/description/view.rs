@@ -1,0 +1,150 @@
+//! Camera, film and shading settings as plain data.
+
+use glam::DVec3;
+
+/// A camera in world space.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CameraDescription {
+    /// The name it has in its file.
+    pub name: String,
+    /// Where it is, m.
+    pub position: DVec3,
+    /// The point it looks at, m; not `position`.
+    pub target: DVec3,
+    /// What is up in the picture; not along the view direction.
+    pub up: DVec3,
+    /// How directions become pixels.
+    pub projection: Projection,
+}
+
+/// How directions become pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Projection {
+    /// A pinhole.
+    Perspective {
+        /// Vertical field of view, rad, in 0..π.
+        vertical_fov: f64,
+    },
+    /// Parallel rays.
+    Orthographic {
+        /// Height of what is seen, m.
+        height: f64,
+    },
+    /// A pinhole opened to a round lens: sharp at one distance.
+    ThinLens {
+        /// Vertical field of view, rad, in 0..π.
+        vertical_fov: f64,
+        /// Diameter of the lens, m.
+        aperture: f64,
+        /// Distance along the view direction that is sharp, m.
+        focus_distance: f64,
+    },
+}
+
+/// What the film records and how it is developed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FilmDescription {
+    /// Pixels per row, ≥ 1.
+    pub width: u32,
+    /// Rows, ≥ 1.
+    pub height: u32,
+    /// Samples per pixel, ≥ 1.
+    pub samples: u32,
+    /// The reconstruction filter.
+    pub filter: Filter,
+    /// How radiance becomes display values.
+    pub exposure: Exposure,
+    /// Whether the background becomes alpha 0.
+    pub transparent: bool,
+    /// Seed of every random number.
+    pub seed: u64,
+}
+
+impl Default for FilmDescription {
+    fn default() -> Self {
+        Self {
+            width: 1280,
+            height: 720,
+            samples: 16,
+            filter: Filter::default(),
+            exposure: Exposure::default(),
+            transparent: false,
+            seed: 0,
+        }
+    }
+}
+
+/// How radiance becomes display values: display = radiance × 2^EV.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Exposure {
+    /// So many stops. 0: radiance 1 is display white.
+    Ev(f64),
+    /// Chosen from the picture so that bright matte surfaces come out just below white.
+    Auto,
+}
+
+impl Default for Exposure {
+    fn default() -> Self {
+        Self::Ev(0.0)
+    }
+}
+
+/// Reconstruction filters; radii and deviations are in pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Filter {
+    /// The average over a square.
+    Box {
+        /// Half the side of the square.
+        radius: f64,
+    },
+    /// Falls linearly to the sides.
+    Tent {
+        /// Where it reaches zero.
+        radius: f64,
+    },
+    /// A bell, cut off and shifted to end at zero.
+    Gaussian {
+        /// Where it is cut.
+        radius: f64,
+        /// Its standard deviation.
+        sigma: f64,
+    },
+    /// Mitchell and Netravali's cubic, with slight sharpening.
+    Mitchell {
+        /// Where it reaches zero.
+        radius: f64,
+        /// Its blur parameter.
+        b: f64,
+        /// Its ringing parameter.
+        c: f64,
+    },
+}
+
+impl Default for Filter {
+    /// Gaussian of radius 1.5 px and deviation 0.5 px.
+    fn default() -> Self {
+        Self::Gaussian { radius: 1.5, sigma: 0.5 }
+    }
+}
+
+/// How shadow rays are kept from hitting the surface they leave: the lecture's blunder, its two cures, and ours.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Shadows {
+    /// Start outside the error bound of the computed point. Right at every scale.
+    #[default]
+    Robust,
+    /// No shadow rays at all: every light reaches every surface that faces it.
+    Off,
+    /// The classic rounding blunder: start at o + t·d, range from 0. Acne.
+    Naive,
+    /// The lecture's first cure: naive start point, range from `epsilon`.
+    TRange {
+        /// Start of the range, m.
+        epsilon: f64,
+    },
+    /// The lecture's second cure: naive start point moved along the normal.
+    MovedStart {
+        /// How far, m.
+        epsilon: f64,
+    },
+}
