@@ -1,9 +1,28 @@
 //! firstlight: scene in, radiance out.
 
+mod bvh;
+mod camera;
 pub mod color;
 pub mod diagnostic;
+mod film;
+mod geometry;
 mod image;
+mod integrator;
 pub mod io;
+mod kernels;
+mod math;
+pub mod render;
+mod sampler;
 pub mod scene;
+mod shading;
+mod simd;
+#[cfg(test)]
+mod testing;
 
+pub use camera::Camera;
+pub use geometry::{Ray, solid_angle};
 pub use image::Image;
+pub use integrator::RayCounts;
+pub use scene::Scene;
+pub use scene::description::SceneDescription;
+pub use simd::Level;

@@ -1,3 +1,66 @@
 //! The scene: plain data with names, built once into something that can be asked what a ray hits.
 
+mod build;
+mod check;
 pub mod description;
+mod filter;
+mod framing;
+mod interaction;
+mod place;
+
+pub(crate) use filter::{SeenByCamera, StopsLight};
+pub use framing::frame;
+
+use crate::bvh::World;
+use crate::camera::Camera;
+use crate::color::Rgb;
+use crate::shading::light::Light;
+use crate::simd::Level;
+use description::{FilmDescription, LuminousEfficacy, Material, Pixels, Shadows};
+use std::sync::Arc;
+
+/// A scene ready to be traced. Made by [`Scene::build`]; nothing about it can fail from then on.
+#[derive(Debug)]
+pub struct Scene {
+    pub(crate) world: World,
+    /// Material of each surface.
+    pub(crate) material_of: Vec<u32>,
+    pub(crate) materials: Vec<Material>,
+    pub(crate) images: Vec<Arc<Pixels>>,
+    /// All lights that come from one direction, in the file's order.
+    pub(crate) lights: Vec<Light>,
+    /// Sum of the ambient lights' radiance, W·sr⁻¹·m⁻².
+    pub(crate) ambient: Rgb,
+    pub(crate) background: Rgb,
+    pub(crate) shadows: Shadows,
+    camera: Camera,
+    film: FilmDescription,
+    luminous_efficacy: LuminousEfficacy,
+}
+
+impl Scene {
+    /// The camera of the scene: the first of its description, or one that frames everything.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// Resolution, samples, filter, exposure.
+    pub fn film(&self) -> &FilmDescription {
+        &self.film
+    }
+
+    /// Lumens per watt used to convert between photometric and radiometric units.
+    pub fn luminous_efficacy(&self) -> LuminousEfficacy {
+        self.luminous_efficacy
+    }
+
+    /// Bytes that the trees over its surfaces take.
+    pub fn tree_memory(&self) -> usize {
+        self.world.memory()
+    }
+
+    /// The instructions that rays are traced with.
+    pub fn level(&self) -> Level {
+        self.world.level()
+    }
+}

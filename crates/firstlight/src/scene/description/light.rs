@@ -1,7 +1,7 @@
 //! Lights as plain data.
 
 use crate::color::Rgb;
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 
 /// A light and its name.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,4 +75,23 @@ pub enum SpotFalloff {
     Gltf,
     /// pbrt-v4: smoothstep of the cosine.
     Smoothstep,
+}
+
+impl LightDescription {
+    /// The same light under a map of the world. Its power, intensity or irradiance stays what it is.
+    pub fn transformed(&self, map: &DAffine3) -> Self {
+        let mut moved = self.clone();
+        match &mut moved.light {
+            Light::Point { position, .. } => *position = map.transform_point3(*position),
+            Light::Spot { position, direction, .. } => {
+                *position = map.transform_point3(*position);
+                *direction = map.transform_vector3(*direction).normalize();
+            }
+            Light::Directional { direction, .. } => {
+                *direction = map.transform_vector3(*direction).normalize();
+            }
+            Light::Ambient { .. } | Light::Camera { .. } => {}
+        }
+        moved
+    }
 }

@@ -1,6 +1,6 @@
 //! Camera, film and shading settings as plain data.
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 
 /// A camera in world space.
 #[derive(Debug, Clone, PartialEq)]
@@ -147,4 +147,14 @@ pub enum Shadows {
         /// How far, m.
         epsilon: f64,
     },
+}
+
+impl CameraDescription {
+    /// The same camera under a map of the world. Lengths of its projection keep their metres.
+    pub fn transformed(&self, map: &DAffine3) -> Self {
+        let forward = map.transform_vector3(self.target - self.position);
+        let position = map.transform_point3(self.position);
+        let up = map.transform_vector3(self.up);
+        Self { position, target: position + forward, up, ..self.clone() }
+    }
 }

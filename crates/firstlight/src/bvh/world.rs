@@ -1,0 +1,318 @@
+//! Everything that can be hit: one tree over the world, one per mesh that stands in it more than once.
+
+use super::build::{Item, Reference};
+use super::wide;
+use crate::geometry::{Analytic, Bounds, Hit, Ray};
+use crate::kernels::{FLATTENED, HitFilter, Others, Search, Stack, Tree, search};
+use crate::scene::description::Mesh;
+use crate::simd::{Level, Simd};
+use glam::{DAffine3, Vec3};
+use rayon::prelude::*;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// A mesh standing in the world.
+#[derive(Debug, Clone)]
+pub(crate) struct MeshPart {
+    /// The triangles, in the mesh's own space.
+    pub mesh: Arc<Mesh>,
+    /// From the mesh's space to the world.
+    pub to_world: DAffine3,
+    /// Its inverse.
+    pub to_object: DAffine3,
+    /// Whether the winding of its triangles in the tree is the reverse of the file's.
+    pub mirrored: bool,
+    /// Whether rays are brought into the mesh's space (`true`) or its triangles into the world.
+    pub instanced: bool,
+    /// Flags of its triangles, see `kernels::layout`.
+    pub flags: u32,
+    magnitude: f64,
+}
+
+impl MeshPart {
+    /// A mesh under `to_world`, with flags of `kernels::layout` on its triangles.
+    pub(crate) fn new(mesh: Arc<Mesh>, to_world: DAffine3, instanced: bool, flags: u32) -> Self {
+        let mirrored = !instanced && to_world.matrix3.determinant() < 0.0;
+        let reach = Bounds::around(mesh.positions.iter().copied()).reach();
+        let m = to_world.matrix3;
+        let stretch = (m.x_axis.abs() + m.y_axis.abs() + m.z_axis.abs()).max_element();
+        let magnitude = to_world.translation.abs().max_element() + stretch * f64::from(reach);
+        Self {
+            mesh,
+            to_world,
+            to_object: to_world.inverse(),
+            mirrored,
+            instanced,
+            flags,
+            magnitude,
+        }
+    }
+
+    /// The largest number that its positions are computed from, m.
+    pub(crate) fn magnitude(&self) -> f64 {
+        self.magnitude
+    }
+
+    /// A corner as the tree of this part has it: in the mesh's space if instanced, else in the world.
+    pub(crate) fn corner(&self, index: u32) -> Vec3 {
+        let p = self.mesh.positions[index as usize];
+        if self.instanced { p } else { self.to_world.transform_point3(p.as_dvec3()).as_vec3() }
+    }
+
+    /// The corners of a triangle, as [`MeshPart::corner`].
+    pub(crate) fn corners(&self, triangle: u32) -> [Vec3; 3] {
+        self.mesh.triangles[triangle as usize].map(|index| self.corner(index))
+    }
+}
+
+/// The shape of one surface of the world.
+#[derive(Debug, Clone)]
+pub(crate) enum Part {
+    /// Triangles.
+    Mesh(MeshPart),
+    /// A formula, and the flags of its material.
+    Analytic(Analytic, u32),
+}
+
+/// All surfaces and their trees.
+#[derive(Debug)]
+pub(crate) struct World {
+    parts: Vec<Part>,
+    top: Tree,
+    /// First triangle number in `top` of each flattened part, ascending, with the part.
+    flattened: Vec<(u32, u32)>,
+    /// Trees of instanced meshes.
+    trees: Vec<Tree>,
+    /// For each part, its tree in `trees`.
+    tree_of: Vec<Option<usize>>,
+    /// Parts without end, which no tree can hold.
+    endless: Vec<u32>,
+    level: Level,
+}
+
+impl World {
+    /// Builds the trees over `parts`; surfaces are numbered in this order.
+    pub(crate) fn build(parts: Vec<Part>, level: Level) -> Self {
+        let (trees, tree_of) = instanced_trees(&parts);
+        let mut builder = TopBuilder::default();
+        for (surface, part) in parts.iter().enumerate() {
+            builder.add(surface as u32, part, tree_of[surface].map(|i: usize| &trees[i]));
+        }
+        let flattened = builder.flattened;
+        let triangle = |number: u32| {
+            let (surface, triangle) = locate(&flattened, number);
+            match &parts[surface as usize] {
+                Part::Mesh(part) => (part.corners(triangle), part.flags),
+                Part::Analytic(..) => unreachable!("only meshes have triangles"),
+            }
+        };
+        let top = wide::tree(builder.references, &triangle);
+        Self { parts, top, flattened, trees, tree_of, endless: builder.endless, level }
+    }
+
+    /// All surfaces.
+    pub(crate) fn parts(&self) -> &[Part] {
+        &self.parts
+    }
+
+    /// Bytes the trees take.
+    pub(crate) fn memory(&self) -> usize {
+        self.top.memory() + self.trees.iter().map(Tree::memory).sum::<usize>()
+    }
+
+    /// The instructions that rays are traced with.
+    pub(crate) fn level(&self) -> Level {
+        self.level
+    }
+
+    /// The same world, traced with other instructions.
+    #[cfg(test)]
+    pub(crate) fn at_level(self, level: Level) -> Self {
+        Self { level, ..self }
+    }
+
+    /// What each ray hits first, in its range. `hits` has the length of `rays`.
+    pub(crate) fn closest_hits(&self, rays: &[Ray], filter: &dyn HitFilter, hits: &mut [Hit]) {
+        self.search::<false>(rays, filter, hits);
+        for hit in hits.iter_mut() {
+            *hit = self.located(hit);
+        }
+    }
+
+    /// Whether each ray hits anything in its range. `occluded` has the length of `rays`.
+    pub(crate) fn occluded(&self, rays: &[Ray], filter: &dyn HitFilter, occluded: &mut Vec<bool>) {
+        let mut hits = vec![Hit::none(0.0); rays.len()];
+        self.search::<true>(rays, filter, &mut hits);
+        occluded.clear();
+        occluded.extend(hits.iter().map(Hit::is_some));
+    }
+
+    fn search<const ANY: bool>(&self, rays: &[Ray], filter: &dyn HitFilter, hits: &mut [Hit]) {
+        let filter = Located { world: self, filter };
+        for (ray, hit) in rays.iter().zip(&mut *hits) {
+            *hit = Hit::none(ray.t_max);
+            for &surface in &self.endless {
+                self.cross(ray, surface, &filter, hit);
+            }
+        }
+        search::<ANY>(self.level, &self.top, self, &filter, rays, hits);
+    }
+
+    /// Meets an analytic surface. Returns whether `hit` was replaced.
+    fn cross(&self, ray: &Ray, surface: u32, filter: &dyn HitFilter, hit: &mut Hit) -> bool {
+        let Part::Analytic(shape, flags) = &self.parts[surface as usize] else { return false };
+        for (t, primitive) in shape.crossings(ray) {
+            let candidate = Hit { t: t as f32, u: 0.0, v: 0.0, surface, primitive };
+            let in_range = candidate.t > ray.t_min && candidate.t <= ray.t_max;
+            if !in_range || (hit.is_some() && !candidate.is_before(hit)) {
+                continue;
+            }
+            let behind =
+                || shape.point(ray, t, primitive).normal.dot(ray.direction.as_dvec3()) > 0.0;
+            if flags & filter.flags() == 0 || filter.accepts(ray, &candidate, behind()) {
+                *hit = candidate;
+                return true;
+            }
+        }
+        false
+    }
+
+    /// The hit with its real surface and triangle.
+    fn located(&self, hit: &Hit) -> Hit {
+        if hit.surface != FLATTENED {
+            return *hit;
+        }
+        let (surface, primitive) = locate(&self.flattened, hit.primitive);
+        Hit { surface, primitive, ..*hit }
+    }
+}
+
+/// Surface and triangle of a triangle number of the world's own tree.
+fn locate(flattened: &[(u32, u32)], number: u32) -> (u32, u32) {
+    let after = flattened.partition_point(|&(first, _)| first <= number);
+    let (first, surface) = flattened[after - 1];
+    (surface, number - first)
+}
+
+/// Tells a filter which surface a triangle of the world's own tree belongs to.
+struct Located<'a> {
+    world: &'a World,
+    filter: &'a dyn HitFilter,
+}
+
+impl HitFilter for Located<'_> {
+    fn flags(&self) -> u32 {
+        self.filter.flags()
+    }
+
+    fn accepts(&self, ray: &Ray, hit: &Hit, from_behind: bool) -> bool {
+        self.filter.accepts(ray, &self.world.located(hit), from_behind)
+    }
+}
+
+impl Others for World {
+    #[inline(always)]
+    fn visit<S: Simd, const ANY: bool>(
+        &self,
+        search: &Search<S>,
+        surface: u32,
+        hit: &mut Hit,
+        stack: &mut Stack,
+    ) -> bool {
+        match (&self.parts[surface as usize], self.tree_of[surface as usize]) {
+            (Part::Mesh(part), Some(tree)) => {
+                let ray = into_object(search.ray, &part.to_object);
+                search.walk::<_, ANY>(&self.trees[tree], &ray, surface, &NoOthers, hit, stack)
+            }
+            _ => self.cross(search.ray, surface, search.filter, hit),
+        }
+    }
+}
+
+/// A tree of nothing but triangles.
+struct NoOthers;
+
+impl Others for NoOthers {
+    #[inline(always)]
+    fn visit<S: Simd, const ANY: bool>(
+        &self,
+        _: &Search<S>,
+        _: u32,
+        _: &mut Hit,
+        _: &mut Stack,
+    ) -> bool {
+        false
+    }
+}
+
+/// The ray in an instance's space: rounded once from double precision, distances as in the world.
+fn into_object(ray: &Ray, to_object: &DAffine3) -> Ray {
+    Ray {
+        origin: to_object.transform_point3(ray.origin.as_dvec3()).as_vec3(),
+        direction: to_object.transform_vector3(ray.direction.as_dvec3()).as_vec3(),
+        ..*ray
+    }
+}
+
+/// One tree per instanced mesh, and which part uses which.
+fn instanced_trees(parts: &[Part]) -> (Vec<Tree>, Vec<Option<usize>>) {
+    let (mut users, mut known) = (Vec::new(), HashMap::new());
+    let mut tree_of = |part: &MeshPart| {
+        *known.entry((Arc::as_ptr(&part.mesh), part.flags)).or_insert_with(|| {
+            users.push(part.clone());
+            users.len() - 1
+        })
+    };
+    let instanced = |part: &Part| match part {
+        Part::Mesh(part) if part.instanced => Some(tree_of(part)),
+        _ => None,
+    };
+    let tree_of_parts = parts.iter().map(instanced).collect();
+    (users.par_iter().map(mesh_tree).collect(), tree_of_parts)
+}
+
+fn mesh_tree(part: &MeshPart) -> Tree {
+    let references = triangle_references(part, 0);
+    wide::tree(references.collect(), &|number| (part.corners(number), part.flags))
+}
+
+fn triangle_references(part: &MeshPart, first: u32) -> impl Iterator<Item = Reference> + '_ {
+    (0..part.mesh.triangles.len() as u32).map(move |triangle| Reference {
+        bounds: Bounds::around(part.corners(triangle)),
+        item: Item::Triangle(first + triangle),
+    })
+}
+
+/// Collects what goes into the world's own tree.
+#[derive(Default)]
+struct TopBuilder {
+    references: Vec<Reference>,
+    flattened: Vec<(u32, u32)>,
+    triangles: u32,
+    endless: Vec<u32>,
+}
+
+impl TopBuilder {
+    fn add(&mut self, surface: u32, part: &Part, tree: Option<&Tree>) {
+        match (part, tree) {
+            (Part::Mesh(part), None) => {
+                self.flattened.push((self.triangles, surface));
+                self.references.extend(triangle_references(part, self.triangles));
+                self.triangles += part.mesh.triangles.len() as u32;
+            }
+            (Part::Mesh(part), Some(tree)) if !tree.bounds.is_empty() => {
+                let (lo, hi) = (tree.bounds.lo.as_dvec3(), tree.bounds.hi.as_dvec3());
+                self.other(surface, Bounds::of_mapped(lo, hi, &part.to_world));
+            }
+            (Part::Mesh(_), Some(_)) => {}
+            (Part::Analytic(shape, _), _) => match shape.bounds() {
+                Some(bounds) => self.other(surface, bounds),
+                None => self.endless.push(surface),
+            },
+        }
+    }
+
+    fn other(&mut self, surface: u32, bounds: Bounds) {
+        self.references.push(Reference { bounds, item: Item::Other(surface) });
+    }
+}

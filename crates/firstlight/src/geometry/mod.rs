@@ -1,0 +1,12 @@
+//! Rays, boxes and the shapes rays can hit.
+
+mod analytic;
+mod bounds;
+mod ray;
+pub(crate) mod triangle;
+
+pub(crate) use analytic::Analytic;
+pub(crate) use bounds::Bounds;
+pub(crate) use ray::Hit;
+pub use ray::Ray;
+pub use triangle::solid_angle;

@@ -1,0 +1,65 @@
+//! A ray and what traversal answers.
+
+use glam::Vec3;
+
+/// A half-line with a range: the points `origin + t · direction`, `t_min < t ≤ t_max`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ray {
+    /// Where t = 0, m.
+    pub origin: Vec3,
+    /// Unit vector in world space; in an instance's own space its length carries the scale.
+    pub direction: Vec3,
+    /// Start of the range, exclusive, ≥ 0.
+    pub t_min: f32,
+    /// End of the range, inclusive.
+    pub t_max: f32,
+}
+
+impl Ray {
+    /// The ray from `origin` in the unit direction `direction` without end.
+    pub fn new(origin: Vec3, direction: Vec3) -> Self {
+        Self { origin, direction, t_min: 0.0, t_max: f32::INFINITY }
+    }
+
+    /// The point at `t`, as rounded as the lecture's blunder needs it.
+    pub fn at(&self, t: f32) -> Vec3 {
+        self.origin + t * self.direction
+    }
+}
+
+/// [`Hit::surface`] of a ray that hit nothing.
+pub(crate) const NOTHING: u32 = u32::MAX;
+
+/// Traversal's raw answer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Hit {
+    /// Where along the ray.
+    pub t: f32,
+    /// Weight of a triangle's second corner.
+    pub u: f32,
+    /// Weight of a triangle's third corner.
+    pub v: f32,
+    /// Index of the surface, or [`NOTHING`].
+    pub surface: u32,
+    /// Triangle of a mesh, part of an analytic surface.
+    pub primitive: u32,
+}
+
+impl Hit {
+    /// No hit up to `t_max`.
+    pub(crate) fn none(t_max: f32) -> Self {
+        Self { t: t_max, u: 0.0, v: 0.0, surface: NOTHING, primitive: 0 }
+    }
+
+    /// Whether something was hit.
+    pub(crate) fn is_some(&self) -> bool {
+        self.surface != NOTHING
+    }
+
+    /// Whether this hit comes before `other`; equal distances are ordered by identity, so that the answer does
+    /// not depend on the order of traversal.
+    pub(crate) fn is_before(&self, other: &Hit) -> bool {
+        let identity = |hit: &Hit| (hit.surface, hit.primitive);
+        self.t < other.t || (self.t == other.t && identity(self) < identity(other))
+    }
+}

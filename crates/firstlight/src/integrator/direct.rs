@@ -1,0 +1,177 @@
+//! Direct light, as the lecture sums it: L = L_emitted + R_a · L_a + Σ over lights of f · E · cos θ · visibility.
+//!
+//! Batches of rays go through the stages in the lecture's order; each stage takes slices and fills vectors.
+
+use crate::color::Rgb;
+use crate::film::Sample;
+use crate::geometry::{Hit, Ray};
+use crate::scene::Scene;
+use crate::scene::description::Shadows;
+use crate::scene::{SeenByCamera, StopsLight};
+use crate::shading::bsdf::Bsdf;
+use crate::shading::interaction::SurfaceInteraction;
+use crate::shading::light::{Light, LightSample};
+use glam::Vec4Swizzles;
+use std::ops::AddAssign;
+
+/// How many rays were traced.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct RayCounts {
+    /// From the camera.
+    pub camera: u64,
+    /// Towards lights.
+    pub shadow: u64,
+}
+
+impl AddAssign for RayCounts {
+    fn add_assign(&mut self, other: Self) {
+        self.camera += other.camera;
+        self.shadow += other.shadow;
+    }
+}
+
+/// Gathers direct light.
+pub(crate) struct Direct<'a> {
+    scene: &'a Scene,
+    transparent: bool,
+}
+
+/// Buffers that one worker reuses from batch to batch.
+#[derive(Default)]
+pub(crate) struct Scratch {
+    hits: Vec<Hit>,
+    points: Vec<Point>,
+    shadow_rays: Vec<Ray>,
+    awaited: Vec<Awaited>,
+    occluded: Vec<bool>,
+    /// One answer per camera ray.
+    pub samples: Vec<Sample>,
+    /// What was traced so far.
+    pub counts: RayCounts,
+}
+
+/// A point to be shaded.
+struct Point {
+    /// Index of the camera ray.
+    ray: usize,
+    surface: SurfaceInteraction,
+    bsdf: Bsdf,
+}
+
+/// Light that reaches the eye if nothing is in the way.
+struct Awaited {
+    ray: usize,
+    radiance: Rgb,
+}
+
+impl<'a> Direct<'a> {
+    /// Gathers light in `scene`.
+    pub(crate) fn new(scene: &'a Scene, transparent: bool) -> Self {
+        Self { scene, transparent }
+    }
+
+    /// Radiance along each of `rays`, into `scratch.samples`.
+    pub(crate) fn gather(&self, rays: &[Ray], scratch: &mut Scratch) {
+        self.closest_hits(rays, scratch);
+        self.surface_points(rays, scratch);
+        for light in &self.scene.lights {
+            self.sample_light(light, rays, scratch);
+            self.trace_shadows(scratch);
+            sum(scratch);
+        }
+    }
+
+    fn closest_hits(&self, rays: &[Ray], scratch: &mut Scratch) {
+        scratch.counts.camera += rays.len() as u64;
+        scratch.hits.clear();
+        scratch.hits.resize(rays.len(), Hit::none(0.0));
+        self.scene.world.closest_hits(rays, &SeenByCamera(self.scene), &mut scratch.hits);
+    }
+
+    /// Starts each ray's sum: the background, or what the surface emits and reflects of the ambient light.
+    fn surface_points(&self, rays: &[Ray], scratch: &mut Scratch) {
+        let Scratch { hits, points, samples, .. } = scratch;
+        points.clear();
+        samples.clear();
+        for (ray, hit) in hits.iter().enumerate() {
+            if !hit.is_some() {
+                let alpha = if self.transparent { 0.0 } else { 1.0 };
+                let radiance = if self.transparent { Rgb::ZERO } else { self.scene.background };
+                samples.push(Sample { radiance, alpha });
+                continue;
+            }
+            let surface = self.scene.interaction(&rays[ray], hit);
+            let material = self.scene.material(hit);
+            let reflectance = self.scene.evaluate(&material.reflectance, &surface).xyz();
+            let ambient_reflectance = match &material.ambient_reflectance {
+                Some(texture) => self.scene.evaluate(texture, &surface).xyz(),
+                None => reflectance,
+            };
+            let emitted = self.scene.evaluate(&material.emission, &surface).xyz();
+            let radiance = emitted + ambient_reflectance * self.scene.ambient;
+            samples.push(Sample { radiance, alpha: 1.0 });
+            points.push(Point { ray, surface, bsdf: Bsdf::Lambert { reflectance } });
+        }
+    }
+
+    /// What `light` would add to each point, with the shadow rays that decide whether it does.
+    fn sample_light(&self, light: &Light, rays: &[Ray], scratch: &mut Scratch) {
+        let Scratch { points, shadow_rays, awaited, samples, .. } = scratch;
+        shadow_rays.clear();
+        awaited.clear();
+        for point in points.iter() {
+            let Some(light_sample) = light.sample(point.surface.position) else { continue };
+            let cos = point.surface.shading_normal.dot(light_sample.incoming);
+            let radiance = point.bsdf.value() * light_sample.irradiance * cos;
+            if !(cos > 0.0) || radiance == Rgb::ZERO {
+                continue;
+            }
+            match self.scene.shadow_ray(light, &light_sample, &point.surface, &rays[point.ray]) {
+                Some(ray) => {
+                    shadow_rays.push(ray);
+                    awaited.push(Awaited { ray: point.ray, radiance });
+                }
+                None => samples[point.ray].radiance += radiance,
+            }
+        }
+    }
+
+    fn trace_shadows(&self, scratch: &mut Scratch) {
+        let Scratch { shadow_rays, occluded, counts, .. } = scratch;
+        counts.shadow += shadow_rays.len() as u64;
+        self.scene.world.occluded(shadow_rays, &StopsLight(self.scene), occluded);
+    }
+}
+
+fn sum(scratch: &mut Scratch) {
+    for (awaited, &occluded) in scratch.awaited.iter().zip(&scratch.occluded) {
+        if !occluded {
+            scratch.samples[awaited.ray].radiance += awaited.radiance;
+        }
+    }
+}
+
+impl Scene {
+    /// The ray that decides whether light reaches a point, by the scene's way of keeping it off the surface it
+    /// leaves; `None` if nothing can be in the way.
+    fn shadow_ray(
+        &self,
+        light: &Light,
+        sample: &LightSample,
+        surface: &SurfaceInteraction,
+        seen_along: &Ray,
+    ) -> Option<Ray> {
+        let naive = || seen_along.at(surface.hit.t);
+        let (origin, t_min) = match self.shadows {
+            _ if !light.shadows => return None,
+            Shadows::Off => return None,
+            Shadows::Robust => (surface.ray_origin(), 0.0),
+            Shadows::Naive => (naive(), 0.0),
+            Shadows::TRange { epsilon } => (naive(), epsilon as f32),
+            Shadows::MovedStart { epsilon } => {
+                (naive() + epsilon as f32 * surface.geometric_normal, 0.0)
+            }
+        };
+        Some(sample.ray_from(surface.position, origin, t_min))
+    }
+}

@@ -1,0 +1,201 @@
+//! A whole picture: passes over tiles over threads.
+
+use crate::film::{FilterSampler, Tile, assemble};
+use crate::geometry::Ray;
+use crate::image::Image;
+use crate::integrator::{Direct, RayCounts, Scratch};
+use crate::sampler::camera_sample;
+use crate::scene::Scene;
+use rayon::prelude::*;
+use std::ops::ControlFlow;
+use std::sync::Mutex;
+
+/// What to render and with what.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct RenderOptions {
+    /// Worker threads; 0: one per processor. The picture does not depend on it.
+    pub threads: usize,
+    /// Only this rectangle of the picture.
+    pub crop: Option<Crop>,
+}
+
+/// A rectangle of pixels. It must lie inside the picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Crop {
+    /// Column of its left edge.
+    pub x: u32,
+    /// Row of its upper edge.
+    pub y: u32,
+    /// Its width, ≥ 1.
+    pub width: u32,
+    /// Its height, ≥ 1.
+    pub height: u32,
+}
+
+/// How far a render has come.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Progress {
+    /// Part of the work that is done, 0..1.
+    pub done: f64,
+    /// Rays traced so far.
+    pub rays: RayCounts,
+}
+
+/// A picture, and what is to be said about it.
+#[derive(Debug, Clone)]
+pub struct Rendered {
+    /// Linear radiance; transparent where no sample was taken.
+    pub image: Image,
+    /// Samples per pixel that every pixel got.
+    pub samples: u32,
+    /// Whether it was stopped before all samples were taken.
+    pub interrupted: bool,
+    /// Rays traced.
+    pub rays: RayCounts,
+    /// Samples that were dropped because they were not finite.
+    pub dropped: u64,
+    /// Column and row of the first pixel (in tile order) with a dropped sample.
+    pub first_dropped: Option<[u32; 2]>,
+}
+
+/// Samples per pixel in one pass over the picture.
+const PASS: u32 = 4;
+
+/// Renders the picture that the scene's film asks for. `observe` is called after each tile, from any thread, and
+/// may break off; the picture then holds what was done.
+pub fn render(
+    scene: &Scene,
+    options: &RenderOptions,
+    observe: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Rendered {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(options.threads).build();
+    match pool {
+        Ok(pool) => pool.install(|| Render::new(scene, options, observe).run()),
+        // The system refuses threads: do the work on this one and on whatever rayon has.
+        Err(_) => Render::new(scene, options, observe).run(),
+    }
+}
+
+struct Render<'a> {
+    scene: &'a Scene,
+    filter: FilterSampler,
+    origin: [u32; 2],
+    size: [u32; 2],
+    observe: &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    tally: Mutex<Tally>,
+}
+
+/// What workers report.
+#[derive(Default)]
+struct Tally {
+    rays: RayCounts,
+    tiles: u64,
+    stop: bool,
+    dropped: u64,
+    first_dropped: Option<[u32; 2]>,
+}
+
+impl<'a> Render<'a> {
+    fn new(
+        scene: &'a Scene,
+        options: &RenderOptions,
+        observe: &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Self {
+        let film = scene.film();
+        let whole = Crop { x: 0, y: 0, width: film.width, height: film.height };
+        let crop = options.crop.unwrap_or(whole);
+        Self {
+            scene,
+            filter: FilterSampler::new(&film.filter, film.samples),
+            origin: [crop.x, crop.y],
+            size: [crop.width, crop.height],
+            observe,
+            tally: Mutex::default(),
+        }
+    }
+
+    fn run(&self) -> Rendered {
+        let mut tiles = Tile::cut(self.origin, self.size);
+        let samples = self.scene.film().samples;
+        let mut complete = 0;
+        while complete < samples && !self.tally().stop {
+            let pass = complete..samples.min(complete + PASS);
+            let work = tiles.len() as u64 * u64::from(samples.div_ceil(PASS));
+            tiles.par_iter_mut().for_each_init(Worker::default, |worker, tile| {
+                if !self.tally().stop {
+                    self.render_tile(tile, pass.clone(), worker);
+                    self.report(worker, work);
+                }
+            });
+            if !self.tally().stop || self.tally().tiles == work {
+                complete = pass.end;
+            }
+        }
+        let tally = self.tally();
+        Rendered {
+            image: assemble(&tiles, self.origin, self.size),
+            samples: complete,
+            interrupted: complete < samples,
+            rays: tally.rays,
+            dropped: tally.dropped,
+            first_dropped: tally.first_dropped,
+        }
+    }
+
+    /// Adds the samples `pass` to every pixel of `tile`.
+    fn render_tile(&self, tile: &mut Tile, pass: std::ops::Range<u32>, worker: &mut Worker) {
+        let (camera, film) = (self.scene.camera(), self.scene.film());
+        worker.rays.clear();
+        worker.places.clear();
+        for index in 0..tile.pixels.len() {
+            let [x, y] = tile.place(index);
+            for sample in pass.clone() {
+                let sample = camera_sample(x, y, sample, film.seed);
+                let (shift, weight) = self.filter.place(sample.film);
+                let center = glam::Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
+                worker.rays.push(camera.ray(center + shift, sample.lens));
+                worker.places.push((index, weight));
+            }
+        }
+        Direct::new(self.scene, film.transparent).gather(&worker.rays, &mut worker.scratch);
+        for (sample, &(index, weight)) in worker.scratch.samples.iter().zip(&worker.places) {
+            if !tile.pixels[index].add(sample, weight) {
+                worker.dropped.get_or_insert((tile.place(index), 0)).1 += 1;
+            }
+        }
+    }
+
+    fn report(&self, worker: &mut Worker, work: u64) {
+        let mut tally = self.tally();
+        tally.tiles += 1;
+        tally.rays += std::mem::take(&mut worker.scratch.counts);
+        if let Some((place, count)) = worker.dropped.take() {
+            tally.dropped += count;
+            let order = |[x, y]: [u32; 2]| (y, x);
+            let first = tally
+                .first_dropped
+                .map_or(place, |p| if order(place) < order(p) { place } else { p });
+            tally.first_dropped = Some(first);
+        }
+        let progress = Progress { done: tally.tiles as f64 / work as f64, rays: tally.rays };
+        drop(tally);
+        if (self.observe)(progress).is_break() {
+            self.tally().stop = true;
+        }
+    }
+
+    fn tally(&self) -> std::sync::MutexGuard<'_, Tally> {
+        self.tally.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+    }
+}
+
+/// What one thread keeps from tile to tile.
+#[derive(Default)]
+struct Worker {
+    rays: Vec<Ray>,
+    /// Pixel and filter weight of each ray.
+    places: Vec<(usize, f32)>,
+    scratch: Scratch,
+    /// First pixel with a dropped sample, and how many were dropped.
+    dropped: Option<([u32; 2], u64)>,
+}

@@ -1,0 +1,133 @@
+//! From the description to the scene.
+
+use super::Scene;
+use super::description::{
+    Alpha, CameraLightAmount, Light, LightDescription, Material, SceneDescription, Shape, Surface,
+};
+use super::framing::frame;
+use crate::bvh::{MeshPart, Part, World};
+use crate::camera::Camera;
+use crate::color::Rgb;
+use crate::geometry::Analytic;
+use crate::kernels::{ONE_SIDED, PARTLY_THERE};
+use crate::shading::light::{Cone, Light as BuiltLight, Source};
+use crate::simd::Level;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// A mesh whose copies would have more triangles than this is instanced; otherwise its copies stand in the world's
+/// own tree, where they are traced faster.
+const FLATTENED_TRIANGLES: usize = 1 << 18;
+
+impl Scene {
+    /// Builds the scene for tracing, with the best instructions that the processor has.
+    ///
+    /// The description must be sound, see [`SceneDescription::check`].
+    pub fn build(description: &SceneDescription) -> Self {
+        Self::build_for(description, Level::detect())
+    }
+
+    /// Builds the scene to be traced with the instructions of `level`. The picture is the same for every level.
+    pub fn build_for(description: &SceneDescription, level: Level) -> Self {
+        let film = &description.film;
+        let framing = || frame(description, DVec3::new(0.5, -1.0, 0.4), DVec3::Z);
+        let view = description.cameras.first().cloned().unwrap_or_else(framing);
+        let camera = Camera::new(&view, film.width, film.height);
+        let ambient = description.lights.iter().filter_map(ambient).sum();
+        Self {
+            world: World::build(parts(description), level),
+            material_of: description.surfaces.iter().map(|s| s.material as u32).collect(),
+            materials: description.materials.clone(),
+            images: description.images.clone(),
+            lights: description.lights.iter().filter_map(|l| light(l, &camera)).collect(),
+            ambient,
+            background: description.background,
+            shadows: description.shadows,
+            camera,
+            film: film.clone(),
+            luminous_efficacy: description.luminous_efficacy,
+        }
+    }
+}
+
+fn ambient(light: &LightDescription) -> Option<Rgb> {
+    if let Light::Ambient { radiance } = light.light { Some(radiance) } else { None }
+}
+
+fn light(described: &LightDescription, camera: &Camera) -> Option<BuiltLight> {
+    let source = match described.light {
+        Light::Ambient { .. } => return None,
+        Light::Point { position, intensity } => {
+            Source::Point { position: position.as_vec3(), intensity }
+        }
+        Light::Spot { position, direction, intensity, inner_angle, outer_angle, falloff } => {
+            let cone = Cone::new(direction, inner_angle, outer_angle, falloff);
+            Source::Spot { position: position.as_vec3(), intensity, cone }
+        }
+        Light::Directional { direction, irradiance } => {
+            Source::Directional { toward: -direction.as_vec3(), irradiance }
+        }
+        Light::Camera { amount } => at_camera(amount, camera),
+    };
+    let is_visible = !matches!(described.light, Light::Camera { .. });
+    Some(BuiltLight { source, shadows: described.shadows && is_visible })
+}
+
+fn at_camera(amount: CameraLightAmount, camera: &Camera) -> Source {
+    match (amount, camera.eye()) {
+        (CameraLightAmount::Intensity(intensity), Some(position)) => {
+            Source::Point { position, intensity }
+        }
+        (CameraLightAmount::Irradiance(irradiance), Some(position)) => {
+            Source::Headlight { position, irradiance }
+        }
+        (
+            CameraLightAmount::Intensity(irradiance) | CameraLightAmount::Irradiance(irradiance),
+            None,
+        ) => Source::Directional { toward: -camera.forward(), irradiance },
+    }
+}
+
+fn parts(description: &SceneDescription) -> Vec<Part> {
+    let mut uses = vec![0_usize; description.meshes.len()];
+    for surface in &description.surfaces {
+        if let Shape::Mesh(mesh) = surface.shape {
+            uses[mesh] += 1;
+        }
+    }
+    let instanced = |mesh: usize| {
+        uses[mesh] > 1
+            && uses[mesh] * description.meshes[mesh].triangles.len() > FLATTENED_TRIANGLES
+    };
+    description.surfaces.iter().map(|surface| part(description, surface, &instanced)).collect()
+}
+
+pub(super) fn part(
+    description: &SceneDescription,
+    surface: &Surface,
+    instanced: &impl Fn(usize) -> bool,
+) -> Part {
+    let flags = flags(&description.materials[surface.material]);
+    let transform = &surface.transform;
+    let analytic = match &surface.shape {
+        Shape::Mesh(mesh) => {
+            let triangles = Arc::clone(&description.meshes[*mesh]);
+            return Part::Mesh(MeshPart::new(triangles, *transform, instanced(*mesh), flags));
+        }
+        Shape::Sphere(sphere) => Analytic::sphere(sphere, transform),
+        Shape::Plane(plane) => Analytic::plane(plane, transform),
+        Shape::Disk(disk) => Analytic::disk(disk, transform),
+        Shape::Quad(quad) => Analytic::quad(quad, transform),
+        Shape::Block(block) => Analytic::block(block, transform),
+        Shape::Cylinder(cylinder) => Analytic::cylinder(cylinder, transform),
+        Shape::Cone(cone) => Analytic::cone(cone, transform),
+    };
+    Part::Analytic(analytic, flags)
+}
+
+/// What traversal has to ask about surfaces of this material.
+fn flags(material: &Material) -> u32 {
+    let one_sided = if material.double_sided { 0 } else { ONE_SIDED };
+    let partly_there = if material.alpha == Alpha::Opaque { 0 } else { PARTLY_THERE };
+    one_sided | partly_there
+}

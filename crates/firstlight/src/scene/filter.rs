@@ -1,0 +1,61 @@
+//! Which hits count: holes in materials, and surfaces that are seen from one side only.
+
+use super::Scene;
+use super::description::Alpha;
+use crate::geometry::{Hit, Ray};
+use crate::kernels::{HitFilter, ONE_SIDED, PARTLY_THERE};
+use crate::math::hash;
+
+/// Camera rays: they pass through holes and through the backs of one-sided surfaces.
+pub(crate) struct SeenByCamera<'a>(pub &'a Scene);
+
+/// Shadow rays: they pass through holes only.
+pub(crate) struct StopsLight<'a>(pub &'a Scene);
+
+impl HitFilter for SeenByCamera<'_> {
+    fn flags(&self) -> u32 {
+        ONE_SIDED | PARTLY_THERE
+    }
+
+    fn accepts(&self, ray: &Ray, hit: &Hit, from_behind: bool) -> bool {
+        let scene = self.0;
+        (scene.material(hit).double_sided || !scene.is_back(hit, from_behind))
+            && scene.is_there(ray, hit)
+    }
+}
+
+impl HitFilter for StopsLight<'_> {
+    fn flags(&self) -> u32 {
+        PARTLY_THERE
+    }
+
+    fn accepts(&self, ray: &Ray, hit: &Hit, _: bool) -> bool {
+        self.0.is_there(ray, hit)
+    }
+}
+
+impl Scene {
+    /// Whether the surface is there at a hit, by the alpha of its material.
+    fn is_there(&self, ray: &Ray, hit: &Hit) -> bool {
+        let material = self.material(hit);
+        let alpha = || self.evaluate(&material.reflectance, &self.interaction(ray, hit)).w;
+        match material.alpha {
+            Alpha::Opaque => true,
+            Alpha::Mask { cutoff } => alpha() >= cutoff,
+            Alpha::Blend => alpha() > threshold(ray, hit),
+        }
+    }
+}
+
+/// A number in 0..1 that depends on nothing but the ray and what it hit.
+fn threshold(ray: &Ray, hit: &Hit) -> f32 {
+    let bits = |x: f32| u64::from(x.to_bits());
+    let (o, d) = (ray.origin, ray.direction);
+    let words = [
+        bits(o.x) << 32 | bits(o.y),
+        bits(o.z) << 32 | bits(d.x),
+        bits(d.y) << 32 | bits(d.z),
+        u64::from(hit.surface) << 32 | u64::from(hit.primitive),
+    ];
+    (words.into_iter().fold(0, |state, word| hash(state ^ word)) >> 40) as f32 / (1 << 24) as f32
+}

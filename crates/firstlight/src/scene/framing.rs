@@ -1,0 +1,91 @@
+//! A camera that shows everything.
+
+use super::description::{CameraDescription, Projection, SceneDescription, Shape};
+use crate::bvh::Part;
+use glam::{DVec2, DVec3};
+
+/// Vertical field of view of framing cameras, rad.
+const FIELD_OF_VIEW: f64 = 30.0 * std::f64::consts::PI / 180.0;
+/// Part of the picture's width and height that is filled.
+const FILLED: f64 = 0.86;
+
+/// A perspective camera in the direction `toward_camera` from the scene, at just the distance from which every
+/// surface that has an end is in the picture. Distances are exact for meshes and boxes for everything else.
+pub fn frame(scene: &SceneDescription, toward_camera: DVec3, up: DVec3) -> CameraDescription {
+    let back = toward_camera.normalize_or(DVec3::Y);
+    let right = up.cross(back).try_normalize().unwrap_or_else(|| crate::math::tangents(back).0);
+    let above = back.cross(right);
+    let aspect = f64::from(scene.film.width) / f64::from(scene.film.height);
+    let tan = DVec2::new(aspect, 1.0) * (0.5 * FIELD_OF_VIEW).tan() * FILLED;
+    let mut extent = Extent::default();
+    each_point(scene, |p| extent.add(DVec2::new(p.dot(right), p.dot(above)), p.dot(back), tan));
+    let (center, distance) = extent.view(tan);
+    let position = center.x * right + center.y * above + distance * back;
+    CameraDescription {
+        name: "frame".into(),
+        position,
+        target: position - back * (distance - extent.middle()).max(1e-3),
+        up,
+        projection: Projection::Perspective { vertical_fov: FIELD_OF_VIEW },
+    }
+}
+
+/// The planes of the tightest view pyramid around points: extremes of `across ± depth · tan` per picture axis.
+struct Extent {
+    lower: DVec2,
+    upper: DVec2,
+    near: f64,
+    far: f64,
+}
+
+impl Default for Extent {
+    fn default() -> Self {
+        Self {
+            lower: DVec2::INFINITY,
+            upper: DVec2::NEG_INFINITY,
+            near: f64::NEG_INFINITY,
+            far: f64::INFINITY,
+        }
+    }
+}
+
+impl Extent {
+    fn add(&mut self, across: DVec2, depth: f64, tan: DVec2) {
+        self.lower = self.lower.min(across - depth * tan);
+        self.upper = self.upper.max(across + depth * tan);
+        self.near = self.near.max(depth);
+        self.far = self.far.min(depth);
+    }
+
+    /// Where the axis of the pyramid is, and how far along `back` its tip; the unit view of nothing at all.
+    fn view(&self, tan: DVec2) -> (DVec2, f64) {
+        if self.near < self.far {
+            return (DVec2::ZERO, 5.0);
+        }
+        let distance = ((self.upper - self.lower) / (2.0 * tan)).max_element();
+        let smallest = self.near + 1e-3 * (self.near - self.far).max(1e-3);
+        (0.5 * (self.lower + self.upper), distance.max(smallest))
+    }
+
+    fn middle(&self) -> f64 {
+        if self.near < self.far { 0.0 } else { 0.5 * (self.near + self.far) }
+    }
+}
+
+/// Calls `visit` with points whose convex hull holds every surface that has an end.
+fn each_point(scene: &SceneDescription, mut visit: impl FnMut(DVec3)) {
+    for surface in &scene.surfaces {
+        if let Shape::Mesh(mesh) = surface.shape {
+            let mesh = &scene.meshes[mesh];
+            let used = mesh.triangles.iter().flatten().map(|&i| mesh.positions[i as usize]);
+            used.for_each(|p| visit(surface.transform.transform_point3(p.as_dvec3())));
+        } else if let Part::Analytic(shape, _) = super::build::part(scene, surface, &|_| false) {
+            let Some(bounds) = shape.bounds() else { continue };
+            let ends = [bounds.lo.as_dvec3(), bounds.hi.as_dvec3()];
+            for corner in 0..8_usize {
+                let pick = |axis: usize| ends[corner >> axis & 1][axis];
+                visit(DVec3::new(pick(0), pick(1), pick(2)));
+            }
+        }
+    }
+}

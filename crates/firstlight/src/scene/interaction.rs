@@ -1,0 +1,144 @@
+//! From traversal's answer to the point that is shaded.
+
+use super::Scene;
+use super::description::{Material, Mesh, Texture};
+use crate::bvh::{MeshPart, Part};
+use crate::geometry::{Analytic, Hit, Ray};
+use crate::shading::interaction::{SurfaceInteraction, clearance, lift};
+use crate::shading::texture::{evaluate, uv_set};
+use glam::{DVec3, Vec2, Vec3, Vec4};
+
+impl Scene {
+    /// The point that `ray` hit.
+    pub(crate) fn interaction(&self, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
+        match &self.world.parts()[hit.surface as usize] {
+            Part::Mesh(part) => on_mesh(part, ray, hit),
+            Part::Analytic(shape, _) => on_analytic(shape, ray, hit),
+        }
+    }
+
+    /// The material of what was hit.
+    pub(crate) fn material(&self, hit: &Hit) -> &Material {
+        &self.materials[self.material_of[hit.surface as usize] as usize]
+    }
+
+    /// Linear RGBA of a texture at a point.
+    pub(crate) fn evaluate(&self, texture: &Texture, at: &SurfaceInteraction) -> Vec4 {
+        let uv = match (uv_set(texture), &self.world.parts()[at.hit.surface as usize]) {
+            (set @ 1.., Part::Mesh(part)) => mesh_uv(&part.mesh, set, &at.hit),
+            _ => at.uv,
+        };
+        evaluate(texture, &self.images, uv, at.color)
+    }
+
+    /// Whether the back of a surface was hit; `from_behind` is traversal's view of it, by the winding in its tree.
+    pub(crate) fn is_back(&self, hit: &Hit, from_behind: bool) -> bool {
+        let part = &self.world.parts()[hit.surface as usize];
+        from_behind != matches!(part, Part::Mesh(MeshPart { mirrored: true, .. }))
+    }
+}
+
+fn on_analytic(shape: &Analytic, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
+    let point = shape.point(ray, f64::from(hit.t), hit.primitive);
+    let position = point.position.as_vec3();
+    let normal = facing(point.normal.as_vec3(), ray);
+    SurfaceInteraction {
+        hit: *hit,
+        position,
+        clearance: clearance(normal, position.abs(), shape.magnitude()),
+        lift: Vec3::ZERO,
+        geometric_normal: normal,
+        shading_normal: normal,
+        uv: point.uv.as_vec2(),
+        color: [1.0; 4],
+    }
+}
+
+/// Positions are interpolated in double precision and rounded once, in world space.
+fn on_mesh(part: &MeshPart, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
+    let corners = part.corners(hit.primitive);
+    let [a, b, c] = corners.map(Vec3::as_dvec3);
+    let (u, v) = (f64::from(hit.u), f64::from(hit.v));
+    let local = a + u * (b - a) + v * (c - a);
+    let position = if part.instanced { part.to_world.transform_point3(local) } else { local };
+    let outward = facing(world_normal(part, (b - a).cross(c - a)), ray);
+    let mut interaction = SurfaceInteraction {
+        hit: *hit,
+        position: position.as_vec3(),
+        clearance: clearance(outward, rounded(part, position, local), part.magnitude()),
+        lift: Vec3::ZERO,
+        geometric_normal: outward,
+        shading_normal: outward,
+        uv: mesh_uv(&part.mesh, 0, hit),
+        color: mesh_color(&part.mesh, hit),
+    };
+    if !part.mesh.normals.is_empty() {
+        smooth(&mut interaction, part, corners);
+    }
+    interaction
+}
+
+/// Replaces the flat normal by the mix of the corners' normals, and lifts the point onto the surface they suggest.
+fn smooth(interaction: &mut SurfaceInteraction, part: &MeshPart, corners: [Vec3; 3]) {
+    let (mesh, hit) = (&part.mesh, &interaction.hit);
+    let side = interaction.geometric_normal;
+    let normals = mesh.triangles[hit.primitive as usize].map(|index| {
+        let normal = part.to_object.matrix3.transpose() * mesh.normals[index as usize].as_dvec3();
+        let normal = normal.normalize_or_zero().as_vec3();
+        if normal.dot(side) < 0.0 { -normal } else { normal }
+    });
+    let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
+    let mixed: Vec3 = (0..3).map(|i| weights[i] * normals[i]).sum();
+    interaction.shading_normal = mixed.try_normalize().unwrap_or(side);
+    let in_world = |p: Vec3| {
+        if part.instanced { part.to_world.transform_point3(p.as_dvec3()).as_vec3() } else { p }
+    };
+    interaction.lift = lift(interaction.position, corners.map(in_world), normals, weights);
+}
+
+/// The unit normal, on the side that the ray comes from; against the ray if there is none.
+fn facing(normal: Vec3, ray: &Ray) -> Vec3 {
+    match normal.try_normalize() {
+        Some(normal) if normal.dot(ray.direction) > 0.0 => -normal,
+        Some(normal) => normal,
+        None => -ray.direction,
+    }
+}
+
+fn world_normal(part: &MeshPart, normal: DVec3) -> Vec3 {
+    let normal = if part.instanced { part.to_object.matrix3.transpose() * normal } else { normal };
+    normal.normalize_or_zero().as_vec3()
+}
+
+/// What was rounded to f32 per axis: the position, and for instances the ray's origin in the mesh's space.
+fn rounded(part: &MeshPart, position: DVec3, local: DVec3) -> Vec3 {
+    let position = position.abs();
+    let m = part.to_world.matrix3;
+    let brought_back = m.x_axis.abs() * local.x.abs()
+        + m.y_axis.abs() * local.y.abs()
+        + m.z_axis.abs() * local.z.abs();
+    (if part.instanced { position + brought_back } else { position }).as_vec3()
+}
+
+/// Interpolates a per-vertex value.
+fn mix<T: Copy + std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>>(
+    mesh: &Mesh,
+    values: &[T],
+    hit: &Hit,
+) -> T {
+    let [a, b, c] = mesh.triangles[hit.primitive as usize].map(|index| values[index as usize]);
+    a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v
+}
+
+fn mesh_uv(mesh: &Mesh, set: usize, hit: &Hit) -> Vec2 {
+    mesh.uvs.get(set).map_or(Vec2::ZERO, |uvs| mix(mesh, uvs, hit))
+}
+
+fn mesh_color(mesh: &Mesh, hit: &Hit) -> [f32; 4] {
+    if mesh.colors.is_empty() {
+        return [1.0; 4];
+    }
+    let [a, b, c] = mesh.triangles[hit.primitive as usize];
+    let color = |index: u32| Vec4::from_array(mesh.colors[index as usize]);
+    (color(a) * (1.0 - hit.u - hit.v) + color(b) * hit.u + color(c) * hit.v).to_array()
+}

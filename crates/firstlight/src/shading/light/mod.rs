@@ -1,0 +1,152 @@
+//! What lights give: the irradiance they cause at a point, and from which direction.
+
+use crate::color::Rgb;
+use crate::geometry::Ray;
+use crate::scene::description::SpotFalloff;
+use glam::{DVec3, Vec3};
+
+/// A light that reaches a point from one direction.
+#[derive(Debug, Clone)]
+pub(crate) struct Light {
+    /// Where the light comes from.
+    pub source: Source,
+    /// Whether surfaces in between stop it.
+    pub shadows: bool,
+}
+
+/// Where light comes from.
+#[derive(Debug, Clone)]
+pub(crate) enum Source {
+    /// A point; `intensity` in W·sr⁻¹.
+    Point { position: Vec3, intensity: Rgb },
+    /// A point that shines into a cone; `intensity` in W·sr⁻¹ on its axis.
+    Spot { position: Vec3, intensity: Rgb, cone: Cone },
+    /// Infinitely far away, in the unit direction `toward`; `irradiance` in W·m⁻².
+    Directional { toward: Vec3, irradiance: Rgb },
+    /// At a point, but of the same strength at any distance; `irradiance` in W·m⁻².
+    Headlight { position: Vec3, irradiance: Rgb },
+}
+
+/// A light as one point receives it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct LightSample {
+    /// Unit vector to the light.
+    pub incoming: Vec3,
+    /// Distance to the light, m; infinite if it has none.
+    pub distance: f32,
+    /// Irradiance of a surface that faces the light, W·m⁻².
+    pub irradiance: Rgb,
+}
+
+impl Light {
+    /// What reaches `point`; `None` if nothing does.
+    pub(crate) fn sample(&self, point: Vec3) -> Option<LightSample> {
+        match &self.source {
+            Source::Point { position, intensity } => from_point(*position, *intensity, point),
+            Source::Spot { position, intensity, cone } => {
+                let share = cone.share(point.as_dvec3() - position.as_dvec3());
+                (share > 0.0).then(|| from_point(*position, *intensity * share, point))?
+            }
+            Source::Directional { toward, irradiance } => Some(LightSample {
+                incoming: *toward,
+                distance: f32::INFINITY,
+                irradiance: *irradiance,
+            }),
+            Source::Headlight { position, irradiance } => {
+                let sample = from_point(*position, *irradiance, point)?;
+                Some(LightSample { irradiance: *irradiance, ..sample })
+            }
+        }
+    }
+}
+
+impl LightSample {
+    /// The shadow ray from `origin`, which is near `point`, that ends just before the light.
+    pub(crate) fn ray_from(&self, point: Vec3, origin: Vec3, t_min: f32) -> Ray {
+        let Some(to_light) = self.distance.is_finite().then(|| self.incoming * self.distance)
+        else {
+            return Ray { t_min, ..Ray::new(origin, self.incoming) };
+        };
+        let to_light = to_light + (point - origin);
+        let distance = to_light.length();
+        let t_max = distance * (1.0 - 4.0 * f32::EPSILON);
+        Ray { origin, direction: to_light / distance, t_min, t_max }
+    }
+}
+
+/// The lecture's E = I / r²: intensity × geometry factor.
+fn from_point(position: Vec3, intensity: Rgb, point: Vec3) -> Option<LightSample> {
+    let to_light = position - point;
+    let distance = to_light.length();
+    let incoming = to_light / distance;
+    let irradiance = intensity / distance / distance;
+    incoming.is_finite().then_some(LightSample { incoming, distance, irradiance })
+}
+
+/// The cone of a spot.
+#[derive(Debug, Clone)]
+pub(crate) struct Cone {
+    axis: DVec3,
+    cos_inner: f64,
+    cos_outer: f64,
+    falloff: SpotFalloff,
+}
+
+impl Cone {
+    /// A cone along the unit vector `axis`, with half angles in rad.
+    pub(crate) fn new(axis: DVec3, inner: f64, outer: f64, falloff: SpotFalloff) -> Self {
+        Self { axis, cos_inner: inner.cos(), cos_outer: outer.cos(), falloff }
+    }
+
+    /// The fraction of the axis's intensity that goes in `direction`, 0..1. In double precision, since near the rim
+    /// the two cosines differ by little.
+    fn share(&self, direction: DVec3) -> f32 {
+        let cos = direction.dot(self.axis) / direction.length();
+        let ramp = ((cos - self.cos_outer) / (self.cos_inner - self.cos_outer)).clamp(0.0, 1.0);
+        let share = match self.falloff {
+            _ if cos >= self.cos_inner => 1.0,
+            SpotFalloff::Gltf => ramp * ramp,
+            SpotFalloff::Smoothstep => ramp * ramp * (3.0 - 2.0 * ramp),
+        };
+        share as f32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn spot(falloff: SpotFalloff) -> Light {
+        let cone = Cone::new(DVec3::X, 20_f64.to_radians(), 40_f64.to_radians(), falloff);
+        let source = Source::Spot { position: Vec3::ZERO, intensity: Rgb::splat(100.0), cone };
+        Light { source, shadows: true }
+    }
+
+    fn irradiance_at(light: &Light, degrees: f64) -> f32 {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        light.sample(DVec3::new(cos, sin, 0.0).as_vec3()).map_or(0.0, |s| s.irradiance.x)
+    }
+
+    #[test]
+    fn a_spot_with_equal_angles_has_a_hard_edge() {
+        let cone = Cone::new(DVec3::X, 0.5, 0.5, SpotFalloff::Gltf);
+        assert_eq!(cone.share(DVec3::new(0.49_f64.cos(), 0.49_f64.sin(), 0.0)), 1.0);
+        assert_eq!(cone.share(DVec3::new(0.51_f64.cos(), 0.51_f64.sin(), 0.0)), 0.0);
+    }
+
+    #[test]
+    fn spots_fall_off_monotonously_to_nothing() {
+        for falloff in [SpotFalloff::Gltf, SpotFalloff::Smoothstep] {
+            let light = spot(falloff);
+            let values: Vec<_> = (0..60).map(|t| irradiance_at(&light, f64::from(t))).collect();
+            assert!(values.is_sorted_by(|a, b| *a >= *b - 1e-4));
+            assert_eq!((values[41], values[59]), (0.0, 0.0));
+        }
+    }
+
+    #[test]
+    fn a_light_at_the_point_itself_gives_nothing() {
+        let source = Source::Point { position: Vec3::ONE, intensity: Rgb::ONE };
+        assert_eq!(Light { source, shadows: true }.sample(Vec3::ONE), None);
+    }
+}

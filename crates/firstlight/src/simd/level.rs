@@ -1,0 +1,67 @@
+//! Which instructions a kernel may use.
+
+#![allow(unsafe_code)]
+
+use super::{Simd, portable::Portable};
+
+/// A set of SIMD instructions that this processor has; only detection hands one out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Level(Set);
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Set {
+    Portable,
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+}
+
+/// A loop that is compiled once per level. `run` must be `#[inline(always)]`, as must all it calls with `simd`.
+pub(crate) trait Kernel {
+    /// What it computes.
+    type Output;
+
+    /// Does the work with the instructions of `simd`.
+    fn run<S: Simd>(self, simd: S) -> Self::Output;
+}
+
+impl Level {
+    /// The best level of this processor.
+    pub fn detect() -> Self {
+        *Self::all().last().unwrap_or(&Self(Set::Portable))
+    }
+
+    /// All levels of this processor, the slowest first.
+    pub fn all() -> Vec<Self> {
+        let mut levels = vec![Self(Set::Portable)];
+        #[cfg(target_arch = "x86_64")]
+        if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+            levels.push(Self(Set::Avx2));
+        }
+        levels
+    }
+
+    /// The name people know it by.
+    pub fn name(self) -> &'static str {
+        match self.0 {
+            Set::Portable => "portable",
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx2 => "avx2",
+        }
+    }
+
+    /// Runs `kernel` with the instructions of this level.
+    pub(crate) fn run<K: Kernel>(self, kernel: K) -> K::Output {
+        match self.0 {
+            Set::Portable => kernel.run(Portable),
+            // SAFETY: `Set::Avx2` is only made after both features were detected.
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx2 => unsafe { run_avx2(kernel) },
+        }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run(super::x86::Avx2::detected())
+}
