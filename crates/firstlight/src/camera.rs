@@ -81,9 +81,9 @@ impl Camera {
     }
 
     /// Where the light at the camera is, m; `None` if the camera is infinitely far away.
-    pub(crate) fn eye(&self) -> Option<Vec3> {
+    pub(crate) fn eye(&self) -> Option<DVec3> {
         let parallel = matches!(self.lens, Lens::Parallel);
-        (!parallel).then(|| self.position.as_vec3())
+        (!parallel).then_some(self.position)
     }
 
     /// The unit direction in which the camera looks.

@@ -120,7 +120,9 @@ impl<'a> Direct<'a> {
         shadow_rays.clear();
         awaited.clear();
         for point in points.iter() {
-            let Some(light_sample) = light.sample(point.surface.position) else { continue };
+            let Some(light_sample) = light.sample(point.surface.position.as_dvec3()) else {
+                continue;
+            };
             let cos = point.surface.shading_normal.dot(light_sample.incoming);
             let radiance = point.bsdf.value() * light_sample.irradiance * cos;
             if !(cos > 0.0) || radiance == Rgb::ZERO {

@@ -14,7 +14,7 @@ impl Scene {
         let origin = position + clearance(normal, position.abs(), 0.0) * normal;
         let mut sum = PI * self.ambient;
         for light in &self.lights {
-            let Some(sample) = light.sample(position) else { continue };
+            let Some(sample) = light.sample(point) else { continue };
             let cos = normal.dot(sample.incoming);
             let ray = sample.ray_from(position, origin, 0.0);
             let mut occluded = Vec::new();

@@ -57,12 +57,10 @@ fn ambient(light: &LightDescription) -> Option<Rgb> {
 fn light(described: &LightDescription, camera: &Camera) -> Option<BuiltLight> {
     let source = match described.light {
         Light::Ambient { .. } => return None,
-        Light::Point { position, intensity } => {
-            Source::Point { position: position.as_vec3(), intensity }
-        }
+        Light::Point { position, intensity } => Source::Point { position, intensity },
         Light::Spot { position, direction, intensity, inner_angle, outer_angle, falloff } => {
             let cone = Cone::new(direction, inner_angle, outer_angle, falloff);
-            Source::Spot { position: position.as_vec3(), intensity, cone }
+            Source::Spot { position, intensity, cone }
         }
         Light::Directional { direction, irradiance } => {
             Source::Directional { toward: -direction.as_vec3(), irradiance }

@@ -18,13 +18,13 @@ pub(crate) struct Light {
 #[derive(Debug, Clone)]
 pub(crate) enum Source {
     /// A point; `intensity` in W·sr⁻¹.
-    Point { position: Vec3, intensity: Rgb },
+    Point { position: DVec3, intensity: Rgb },
     /// A point that shines into a cone; `intensity` in W·sr⁻¹ on its axis.
-    Spot { position: Vec3, intensity: Rgb, cone: Cone },
+    Spot { position: DVec3, intensity: Rgb, cone: Cone },
     /// Infinitely far away, in the unit direction `toward`; `irradiance` in W·m⁻².
     Directional { toward: Vec3, irradiance: Rgb },
     /// At a point, but of the same strength at any distance; `irradiance` in W·m⁻².
-    Headlight { position: Vec3, irradiance: Rgb },
+    Headlight { position: DVec3, irradiance: Rgb },
 }
 
 /// A light as one point receives it.
@@ -39,12 +39,13 @@ pub(crate) struct LightSample {
 }
 
 impl Light {
-    /// What reaches `point`; `None` if nothing does.
-    pub(crate) fn sample(&self, point: Vec3) -> Option<LightSample> {
+    /// What reaches `point`; `None` if nothing does. In double precision, since near the rim of a spot a rounding
+    /// error of the place would show.
+    pub(crate) fn sample(&self, point: DVec3) -> Option<LightSample> {
         match &self.source {
             Source::Point { position, intensity } => from_point(*position, *intensity, point),
             Source::Spot { position, intensity, cone } => {
-                let share = cone.share(point.as_dvec3() - position.as_dvec3());
+                let share = cone.share(point - position);
                 (share > 0.0).then(|| from_point(*position, *intensity * share, point))?
             }
             Source::Directional { toward, irradiance } => Some(LightSample {
@@ -75,10 +76,10 @@ impl LightSample {
 }
 
 /// The lecture's E = I / r²: intensity × geometry factor.
-fn from_point(position: Vec3, intensity: Rgb, point: Vec3) -> Option<LightSample> {
+fn from_point(position: DVec3, intensity: Rgb, point: DVec3) -> Option<LightSample> {
     let to_light = position - point;
-    let distance = to_light.length();
-    let incoming = to_light / distance;
+    let incoming = to_light.normalize().as_vec3();
+    let distance = to_light.length() as f32;
     let irradiance = intensity / distance / distance;
     incoming.is_finite().then_some(LightSample { incoming, distance, irradiance })
 }
@@ -98,8 +99,7 @@ impl Cone {
         Self { axis, cos_inner: inner.cos(), cos_outer: outer.cos(), falloff }
     }
 
-    /// The fraction of the axis's intensity that goes in `direction`, 0..1. In double precision, since near the rim
-    /// the two cosines differ by little.
+    /// The fraction of the axis's intensity that goes in `direction`, 0..1.
     fn share(&self, direction: DVec3) -> f32 {
         let cos = direction.dot(self.axis) / direction.length();
         let ramp = ((cos - self.cos_outer) / (self.cos_inner - self.cos_outer)).clamp(0.0, 1.0);
@@ -118,13 +118,13 @@ mod tests {
 
     fn spot(falloff: SpotFalloff) -> Light {
         let cone = Cone::new(DVec3::X, 20_f64.to_radians(), 40_f64.to_radians(), falloff);
-        let source = Source::Spot { position: Vec3::ZERO, intensity: Rgb::splat(100.0), cone };
+        let source = Source::Spot { position: DVec3::ZERO, intensity: Rgb::splat(100.0), cone };
         Light { source, shadows: true }
     }
 
     fn irradiance_at(light: &Light, degrees: f64) -> f32 {
         let (sin, cos) = degrees.to_radians().sin_cos();
-        light.sample(DVec3::new(cos, sin, 0.0).as_vec3()).map_or(0.0, |s| s.irradiance.x)
+        light.sample(DVec3::new(cos, sin, 0.0)).map_or(0.0, |s| s.irradiance.x)
     }
 
     #[test]
@@ -146,7 +146,7 @@ mod tests {
 
     #[test]
     fn a_light_at_the_point_itself_gives_nothing() {
-        let source = Source::Point { position: Vec3::ONE, intensity: Rgb::ONE };
-        assert_eq!(Light { source, shadows: true }.sample(Vec3::ONE), None);
+        let source = Source::Point { position: DVec3::ONE, intensity: Rgb::ONE };
+        assert_eq!(Light { source, shadows: true }.sample(DVec3::ONE), None);
     }
 }
