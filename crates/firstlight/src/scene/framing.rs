@@ -72,6 +72,13 @@ impl Extent {
     }
 }
 
+/// The smallest coordinate along the unit vector `up` of every surface that has an end; 0 if there is none.
+pub(super) fn lowest(scene: &SceneDescription, up: DVec3) -> f64 {
+    let mut lowest = f64::INFINITY;
+    each_point(scene, |p| lowest = lowest.min(p.dot(up)));
+    if lowest.is_finite() { lowest } else { 0.0 }
+}
+
 /// Calls `visit` with points whose convex hull holds every surface that has an end.
 fn each_point(scene: &SceneDescription, mut visit: impl FnMut(DVec3)) {
     for surface in &scene.surfaces {

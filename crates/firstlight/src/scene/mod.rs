@@ -7,9 +7,13 @@ mod filter;
 mod framing;
 mod interaction;
 mod place;
+mod studio;
+#[cfg(test)]
+mod tests;
 
 pub(crate) use filter::{SeenByCamera, StopsLight};
 pub use framing::frame;
+pub use studio::Studio;
 
 use crate::bvh::World;
 use crate::camera::Camera;
