@@ -1,0 +1,165 @@
+//! OpenEXR: linear pictures in and out.
+
+use super::pixels::{Input, unreadable};
+use super::save::{Develop, Metadata, Precision, premultiplied};
+use crate::Image;
+use crate::diagnostic::{Diagnostic, Result};
+use crate::scene::description::Pixels;
+use exr::meta::attribute::Chromaticities;
+use exr::meta::header::Header;
+use exr::prelude::{
+    AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Layer, LayerAttributes,
+    MetaData, ReadChannels, ReadLayers, ReadSpecificChannel, Text, Vec2, WritableImage, f16, read,
+};
+use std::io::Cursor;
+
+pub(super) fn decode(input: &Input) -> Result<Pixels> {
+    let meta =
+        MetaData::read_from_buffered(input.bytes, false).map_err(|e| unreadable(input, &e))?;
+    for header in &meta.headers {
+        check_blocks(input, header)?;
+    }
+    let is_color = |header: &&Header| is_rgb(header) || has(header, "Y");
+    let header = meta.headers.iter().find(is_color).ok_or_else(|| no_color(input, &meta))?;
+    let Vec2(width, height) = header.layer_size;
+    let _ = input.room_for(width as u64, height as u64, 16)?;
+    let canvas = if is_rgb(header) { read_rgb(input.bytes) } else { read_grey(input.bytes) };
+    let canvas = canvas.map_err(|e| unreadable(input, &e))?;
+    // `room_for` has made sure that the size fits.
+    input.linear(width as u32, height as u32, canvas.texels)
+}
+
+fn has(header: &Header, channel: &str) -> bool {
+    header.channels.list.iter().any(|c| c.name == *channel)
+}
+
+fn is_rgb(header: &Header) -> bool {
+    ["R", "G", "B"].into_iter().all(|channel| has(header, channel))
+}
+
+/// Refuses a layer whose table of blocks is longer than the file, or one of whose blocks passes the limit.
+fn check_blocks(input: &Input, header: &Header) -> Result<()> {
+    input.at_least((header.chunk_count as u64).saturating_mul(8))?;
+    let Vec2(width, height) = header.max_block_pixel_size();
+    let pixel_bytes = header.channels.bytes_per_pixel.max(1);
+    input.room_for(width as u64, height as u64, pixel_bytes as u64).map(|_| ())
+}
+
+fn no_color(input: &Input, meta: &MetaData) -> Diagnostic {
+    let channels = meta.headers.iter().flat_map(|header| &header.channels.list);
+    let names: Vec<String> = channels.take(20).map(|c| format!("\"{}\"", c.name)).collect();
+    let message = format!("no channels R, G, B or Y in this EXR file; it has {}", names.join(", "));
+    input.fail(message).help("export the colour as a plain RGB or RGBA EXR file")
+}
+
+/// Where the decoder puts its pixels.
+struct Canvas {
+    width: usize,
+    texels: Vec<[f32; 4]>,
+}
+
+impl Canvas {
+    fn new(Vec2(width, height): Vec2<usize>) -> Self {
+        Self { width, texels: vec![[0.0; 4]; width * height] }
+    }
+
+    /// OpenEXR multiplies colour by alpha; we do not. Where alpha is 0 the colour is what the pixel emits.
+    fn set(&mut self, Vec2(x, y): Vec2<usize>, rgb: [f32; 3], alpha: f32) {
+        let alpha = alpha.clamp(0.0, 1.0);
+        let divisor = if alpha > 0.0 { alpha } else { 1.0 };
+        let [r, g, b] = rgb.map(|value| value / divisor);
+        if let Some(texel) = self.texels.get_mut(y * self.width + x) {
+            *texel = [r, g, b, alpha];
+        }
+    }
+}
+
+fn read_rgb(bytes: &[u8]) -> exr::error::Result<Canvas> {
+    let channels = read().no_deep_data().largest_resolution_level().specific_channels();
+    let image = channels
+        .required("R")
+        .required("G")
+        .required("B")
+        .optional("A", 1.0_f32)
+        .collect_pixels(
+            |size, _| Canvas::new(size),
+            |canvas, at, (r, g, b, a): (f32, f32, f32, f32)| canvas.set(at, [r, g, b], a),
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(Cursor::new(bytes))?;
+    Ok(image.layer_data.channel_data.pixels)
+}
+
+fn read_grey(bytes: &[u8]) -> exr::error::Result<Canvas> {
+    let channels = read().no_deep_data().largest_resolution_level().specific_channels();
+    let image = channels
+        .required("Y")
+        .optional("A", 1.0_f32)
+        .collect_pixels(
+            |size, _| Canvas::new(size),
+            |canvas, at, (grey, a): (f32, f32)| canvas.set(at, [grey; 3], a),
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(Cursor::new(bytes))?;
+    Ok(image.layer_data.channel_data.pixels)
+}
+
+/// ITU-R BT.709 with D65 white.
+const REC_709: Chromaticities = Chromaticities {
+    red: Vec2(0.64, 0.33),
+    green: Vec2(0.3, 0.6),
+    blue: Vec2(0.15, 0.06),
+    white: Vec2(0.3127, 0.329),
+};
+
+pub(super) fn encode(
+    image: &Image,
+    precision: Precision,
+    develop: Develop,
+    metadata: &Metadata,
+) -> exr::error::Result<Vec<u8>> {
+    let size = (image.width() as usize, image.height() as usize);
+    let channels = ["R", "G", "B", "A"].into_iter().enumerate();
+    let channels = channels.map(|(i, name)| AnyChannel::new(name, plane(image, i, precision)));
+    let channels = AnyChannels::sort(channels.collect());
+    let layer = Layer::new(size, attributes(develop, metadata), Encoding::SMALL_LOSSLESS, channels);
+    let mut picture = exr::image::Image::from_layer(layer);
+    picture.attributes.chromaticities = Some(REC_709);
+    let mut file = Cursor::new(Vec::new());
+    picture.write().non_parallel().to_buffered(&mut file)?;
+    Ok(file.into_inner())
+}
+
+fn plane(image: &Image, channel: usize, precision: Precision) -> FlatSamples {
+    let values = image.pixels().iter().map(|&pixel| premultiplied(pixel)[channel]);
+    match precision {
+        Precision::Float => FlatSamples::F32(values.collect()),
+        Precision::Half => FlatSamples::F16(values.map(half).collect()),
+    }
+}
+
+fn half(value: f32) -> f16 {
+    f16::from_f32(value.clamp(f16::MIN.to_f32(), f16::MAX.to_f32()))
+}
+
+/// All entries go into the one standard text attribute, since custom ones come out in random order.
+fn attributes(develop: Develop, metadata: &Metadata) -> LayerAttributes {
+    let entries = metadata.entries.iter().map(|(key, text)| format!("{key}: {text}"));
+    let comments = entries.collect::<Vec<_>>().join("\n");
+    let mut attributes = LayerAttributes {
+        software_name: Some(utf8(&metadata.software)),
+        comments: (!comments.is_empty()).then(|| utf8(&comments)),
+        ..LayerAttributes::default()
+    };
+    let exposure = AttributeValue::F32(develop.exposure_ev);
+    attributes.other.insert(utf8("exposureEV"), exposure);
+    attributes
+}
+
+fn utf8(text: &str) -> Text {
+    Text::from_slice_unchecked(text.as_bytes())
+}
