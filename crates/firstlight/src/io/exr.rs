@@ -19,22 +19,36 @@ pub(super) fn decode(input: &Input) -> Result<Pixels> {
     for header in &meta.headers {
         check_blocks(input, header)?;
     }
-    let is_color = |header: &&Header| is_rgb(header) || has(header, "Y");
-    let header = meta.headers.iter().find(is_color).ok_or_else(|| no_color(input, &meta))?;
+    let found = meta.headers.iter().find_map(|header| Some((header, color(header)?)));
+    let (header, color) = found.ok_or_else(|| no_color(input, &meta))?;
     let Vec2(width, height) = header.layer_size;
     let _ = input.room_for(width as u64, height as u64, 16)?;
-    let canvas = if is_rgb(header) { read_rgb(input.bytes) } else { read_grey(input.bytes) };
+    let canvas = match color {
+        Color::Rgb => read_rgb(input.bytes),
+        Color::Grey(channel) => read_grey(input.bytes, channel),
+    };
     let canvas = canvas.map_err(|e| unreadable(input, &e))?;
     // `room_for` has made sure that the size fits.
     input.linear(width as u32, height as u32, canvas.texels)
 }
 
-fn has(header: &Header, channel: &str) -> bool {
-    header.channels.list.iter().any(|c| c.name == *channel)
+/// The channels of a layer that hold its colour.
+enum Color {
+    Rgb,
+    Grey(Text),
 }
 
-fn is_rgb(header: &Header) -> bool {
-    ["R", "G", "B"].into_iter().all(|channel| has(header, channel))
+fn color(header: &Header) -> Option<Color> {
+    let channels = &header.channels.list;
+    let has = |name: &str| channels.iter().any(|channel| channel.name == *name);
+    if ["R", "G", "B"].into_iter().all(has) {
+        return Some(Color::Rgb);
+    }
+    let mut opaque = channels.iter().filter(|channel| channel.name != *"A");
+    match (opaque.next(), opaque.next()) {
+        (Some(only), None) => Some(Color::Grey(only.name.clone())),
+        _ => has("Y").then(|| Color::Grey(Text::from("Y"))),
+    }
 }
 
 /// Refuses a layer whose table of blocks is longer than the file, or one of whose blocks passes the limit.
@@ -48,7 +62,10 @@ fn check_blocks(input: &Input, header: &Header) -> Result<()> {
 fn no_color(input: &Input, meta: &MetaData) -> Diagnostic {
     let channels = meta.headers.iter().flat_map(|header| &header.channels.list);
     let names: Vec<String> = channels.take(20).map(|c| format!("\"{}\"", c.name)).collect();
-    let message = format!("no channels R, G, B or Y in this EXR file; it has {}", names.join(", "));
+    let message = format!(
+        "no channels R, G, B or Y and no single one in this EXR file; it has {}",
+        names.join(", ")
+    );
     input.fail(message).help("export the colour as a plain RGB or RGBA EXR file")
 }
 
@@ -92,10 +109,10 @@ fn read_rgb(bytes: &[u8]) -> exr::error::Result<Canvas> {
     Ok(image.layer_data.channel_data.pixels)
 }
 
-fn read_grey(bytes: &[u8]) -> exr::error::Result<Canvas> {
+fn read_grey(bytes: &[u8], channel: Text) -> exr::error::Result<Canvas> {
     let channels = read().no_deep_data().largest_resolution_level().specific_channels();
     let image = channels
-        .required("Y")
+        .required(channel)
         .optional("A", 1.0_f32)
         .collect_pixels(
             |size, _| Canvas::new(size),

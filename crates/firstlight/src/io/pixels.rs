@@ -14,7 +14,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 ///
 /// JPEG, WebP and PNG are taken as sRGB-encoded whatever colour profile they carry, as glTF demands; 16-bit PNG
 /// becomes linear. HDR, EXR and PFM are linear and may not hold NaN or infinities. Of an EXR file the first
-/// layer with colour (R, G, B or Y) is read, its data window being the picture.
+/// layer with colour (R, G, B or one grey channel) is read, its data window being the picture.
 ///
 /// # Errors
 /// If the format is unknown, the data is broken or cut off, or it would unpack to more than `limits` allow;
