@@ -7,6 +7,7 @@ use crate::diagnostic::{Diagnostic, Result};
 use crate::scene::description::Pixels;
 use exr::meta::attribute::Chromaticities;
 use exr::meta::header::Header;
+use exr::prelude::Compression::{PIZ, PXR24, RLE, Uncompressed, ZIP1, ZIP16};
 use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Layer, LayerAttributes,
     MetaData, ReadChannels, ReadLayers, ReadSpecificChannel, Text, Vec2, WritableImage, f16, read,
@@ -52,7 +53,12 @@ fn color(header: &Header) -> Option<Color> {
 }
 
 /// Refuses a layer whose table of blocks is longer than the file, or one of whose blocks passes the limit.
+/// Of the ways to compress, the decoder trusts lengths in DWA and panics on sums in B44.
 fn check_blocks(input: &Input, header: &Header) -> Result<()> {
+    if !matches!(header.compression, Uncompressed | RLE | ZIP1 | ZIP16 | PIZ | PXR24) {
+        let message = format!("EXR files with {} cannot be read", header.compression);
+        return Err(input.fail(message).help("save it with ZIP or PIZ compression").into());
+    }
     input.at_least((header.chunk_count as u64).saturating_mul(8))?;
     let Vec2(width, height) = header.max_block_pixel_size();
     let pixel_bytes = header.channels.bytes_per_pixel.max(1);

@@ -347,6 +347,16 @@ mod tests {
     }
 
     #[test]
+    fn a_palette_that_ends_within_a_colour_is_refused() {
+        let mut file = Vec::new();
+        let mut encoder = ::png::Encoder::new(&mut file, 1, 1);
+        encoder.set_color(::png::ColorType::Indexed);
+        encoder.set_palette([1, 2, 3, 4].as_slice());
+        encoder.write_header().unwrap().write_image_data(&[0]).unwrap();
+        assert!(complaint(&file, &Limits::default()).contains("palette"));
+    }
+
+    #[test]
     fn sixteen_bit_grey_is_linear_after_decoding() {
         let mut file = Vec::new();
         let mut encoder = ::png::Encoder::new(&mut file, 1, 1);

@@ -26,6 +26,11 @@ pub(super) fn decode(input: &Input) -> Result<Pixels> {
     let count = input.room_for(width.into(), height.into(), if deep { 16 } else { 4 })?;
     input.at_least(info.bits_per_pixel() as u64 * count as u64 / 8 / DEFLATE_RATIO)?;
     let mut reader = decoder.read_info().map_err(|e| unreadable(input, &e))?;
+    let palette = reader.info().palette.as_deref().unwrap_or_default();
+    if !palette.len().is_multiple_of(3) {
+        // The decoder panics on it.
+        return Err(input.fail("the palette of this PNG ends within a colour").into());
+    }
     let channels = reader.output_color_type().0.samples();
     let mut data = vec![0; count * channels * if deep { 2 } else { 1 }];
     reader.next_frame(&mut data).map_err(|e| unreadable(input, &e))?;
