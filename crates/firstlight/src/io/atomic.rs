@@ -10,12 +10,16 @@ use std::path::{Path, PathBuf};
 /// killed or the power fails: under another name beside it, flushed to the disk, then renamed.
 ///
 /// A new file gets the usual permissions; one that is replaced passes its own on. Symbolic links are followed
-/// and stay. What is not a regular file (`/dev/null`, a pipe) is written to directly.
+/// and stay. What is not a regular file (`/dev/null`, a pipe) is written to directly. A killed program may leave
+/// the other name behind: `.firstlight-*.part`.
 ///
 /// # Errors
 /// If the path is a folder or a write-protected file, its folder is missing or may not be written to, or the
 /// disk is full. A file that was there before is then untouched.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
+    if path.file_name().is_none() || shown(path).ends_with(std::path::is_separator) {
+        return Err(is_folder(path));
+    }
     let existing = std::fs::metadata(path).ok();
     match &existing {
         Some(found) if found.is_dir() => Err(is_folder(path)),
@@ -90,8 +94,8 @@ fn folder_of(path: &Path) -> &Path {
 }
 
 fn is_folder(path: &Path) -> Box<Diagnostic> {
-    let error = Diagnostic::new(shown(path), "this is a folder, so no file can be written here");
-    Box::new(error.help("name a file inside it"))
+    let error = Diagnostic::new(shown(path), "this names no file but a folder, or nothing");
+    Box::new(error.help("end it with the name of a file"))
 }
 
 fn write_protected(path: &Path) -> Box<Diagnostic> {
@@ -163,8 +167,10 @@ mod tests {
     #[test]
     fn refuses_folders_and_missing_folders_with_help() {
         let folder = folder();
-        let error = write(folder.path(), b"x").unwrap_err();
-        assert!(error.message.contains("this is a folder"), "{error}");
+        for path in [folder.path(), &folder.path().join("new/"), Path::new(""), Path::new("..")] {
+            let error = write(path, b"x").unwrap_err();
+            assert!(error.message.contains("names no file"), "{error}");
+        }
         let error = write(&folder.path().join("no/out.png"), b"x").unwrap_err();
         assert!(error.message.contains("no does not exist"), "{error}");
         assert!(error.help.is_some());
