@@ -186,3 +186,86 @@ fn attributes(develop: Develop, metadata: &Metadata) -> LayerAttributes {
 fn utf8(text: &str) -> Text {
     Text::from_slice_unchecked(text.as_bytes())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::{Limits, load_image};
+    use exr::prelude::Compression;
+
+    fn load(file: &[u8]) -> Result<Image> {
+        load_image(file, "sky.exr", &Limits::default())
+    }
+
+    /// A file of the given channels, all of them 0.5 in 3 × 2 pixels.
+    fn picture(channels: &[&str], compression: Compression) -> Vec<u8> {
+        let channel = |name| AnyChannel::new(name, FlatSamples::F32(vec![0.5; 6]));
+        let channels = AnyChannels::sort(channels.iter().copied().map(channel).collect());
+        let encoding = Encoding { compression, ..Encoding::SMALL_LOSSLESS };
+        let layer = Layer::new((3, 2), LayerAttributes::default(), encoding, channels);
+        let mut file = Cursor::new(Vec::new());
+        exr::image::Image::from_layer(layer).write().to_buffered(&mut file).unwrap();
+        file.into_inner()
+    }
+
+    /// The same file with another data window: left, top, right, bottom.
+    fn with_window(mut file: Vec<u8>, window: [i32; 4]) -> Vec<u8> {
+        let name = b"dataWindow\0box2i\0";
+        let at = file.windows(name.len()).position(|bytes| bytes == name).unwrap();
+        let at = at + name.len() + 4;
+        file[at..at + 16].copy_from_slice(window.map(i32::to_le_bytes).as_flattened());
+        file
+    }
+
+    #[test]
+    fn reads_colour_or_a_single_grey_channel() {
+        for compression in [Uncompressed, RLE, ZIP1, ZIP16, PIZ, PXR24] {
+            for channels in [["B", "G", "R"].as_slice(), &["Y"], &["G"], &["RY", "Y", "Z"]] {
+                let image = load(&picture(channels, compression)).unwrap();
+                assert_eq!((image.width(), image.height()), (3, 2));
+                assert!(image.pixels().iter().all(|pixel| *pixel == [0.5, 0.5, 0.5, 1.0]));
+            }
+        }
+    }
+
+    #[test]
+    fn divides_colour_by_alpha() {
+        for channels in [["A", "B", "G", "R"].as_slice(), &["A", "Y"]] {
+            let image = load(&picture(channels, ZIP16)).unwrap();
+            assert_eq!(image.pixels()[5], [1.0, 1.0, 1.0, 0.5]);
+        }
+    }
+
+    #[test]
+    fn names_the_channels_when_none_is_colour() {
+        let error = load(&picture(&["Z", "normal.X"], ZIP16)).unwrap_err();
+        assert!(error.message.ends_with(r#"it has "Z", "normal.X""#), "{error}");
+    }
+
+    #[test]
+    fn refuses_compression_that_is_not_decoded_safely() {
+        let error = load(&picture(&["Y"], Compression::B44)).unwrap_err();
+        assert!(error.message.contains("b44"), "{error}");
+    }
+
+    #[test]
+    fn refuses_enormous_windows_at_once() {
+        let (min, max) = (i32::MIN, i32::MAX);
+        let file = picture(&["R", "G", "B"], ZIP16);
+        for window in [
+            [min, min, max, max],
+            [0, 0, max, max],
+            [0, 0, max - 1, 1],
+            [0, 0, 2, max - 1],
+            [0, 0, 1 << 26, 1],
+            [0, 0, 9_999, 9_999],
+            [5, 5, 0, 0],
+        ] {
+            let error = load(&with_window(file.clone(), window)).unwrap_err();
+            assert!(error.to_string().starts_with("sky.exr: "), "{error}");
+            assert!(!error.message.contains("gave up"), "{window:?}: {error}");
+        }
+        let error = load(&with_window(file, [0, 0, 1 << 26, 1])).unwrap_err();
+        assert!(error.message.contains("the limit is 1 GiB"), "{error}");
+    }
+}
