@@ -4,9 +4,18 @@
 //! loading are collected ([`Warnings`]).
 
 mod access;
+mod atomic;
+mod exr;
+mod hdr;
+mod pfm;
 pub mod pixels;
+mod png;
+mod save;
 
 pub use access::{FileAccess, Limits};
+pub use atomic::write;
+pub use pixels::load_image;
+pub use save::{BitDepth, Develop, Format, Metadata, Precision, save};
 
 use crate::diagnostic::Diagnostic;
 
