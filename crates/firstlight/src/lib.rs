@@ -5,5 +5,7 @@ pub mod diagnostic;
 mod image;
 pub mod io;
 pub mod scene;
+mod suggest;
+pub mod units;
 
 pub use image::Image;

@@ -1,5 +1,9 @@
 //! Colour: linear Rec. 709 with D65 white inside, sRGB at the edges.
 
+mod parse;
+
+pub use parse::parse;
+
 /// Linear Rec. 709 red, green, blue: a radiance, irradiance, intensity or reflectance per channel.
 pub type Rgb = glam::Vec3;
 
