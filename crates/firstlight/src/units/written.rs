@@ -6,9 +6,7 @@
 use super::{Dimension, Measure, Quantity, unit};
 use crate::suggest::quoted;
 use glam::{DVec2, DVec3};
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
-use std::borrow::Cow;
 use std::fmt;
 use std::marker::PhantomData;
 
@@ -17,16 +15,19 @@ pub(crate) const LONGEST: f64 = 1e15;
 /// Sizes, radii and scales are at least this.
 pub(crate) const SMALLEST: f64 = 1e-15;
 
+/// A checked value, or a predicate that says what is wrong with it.
+pub(crate) type Checked<T> = std::result::Result<T, String>;
+
 /// A value that a file gives as a number, as text, or (some) as a list of three numbers.
 pub(crate) trait Written: Sized {
     /// What belongs here, for messages: "a length such as ...".
     const EXPECTED: &'static str;
     /// From a bare number, which is finite.
-    fn from_number(number: f64) -> Result<Self, String>;
+    fn from_number(number: f64) -> Checked<Self>;
     /// From text.
-    fn from_text(text: &str) -> Result<Self, String>;
+    fn from_text(text: &str) -> Checked<Self>;
     /// From three finite numbers.
-    fn from_triple(_: [f64; 3]) -> Result<Self, String> {
+    fn from_triple(_: [f64; 3]) -> Checked<Self> {
         Err(format!("needs {}, not a list", Self::EXPECTED))
     }
 }
@@ -70,9 +71,12 @@ impl<'de, T: Written> Visitor<'de> for WrittenVisitor<T> {
 /// Gives [`Written`] types their `Deserialize` and their place in the JSON schema.
 macro_rules! written {
     ($($(#[$doc:meta])* $type:ident: $schema:tt)*) => {$(
-        impl<'de> Deserialize<'de> for $type {
-            fn deserialize<D: Deserializer<'de>>(source: D) -> Result<Self, D::Error> {
-                source.deserialize_any($crate::units::written::WrittenVisitor(PhantomData))
+        impl<'de> serde::Deserialize<'de> for $type {
+            fn deserialize<D: serde::Deserializer<'de>>(
+                source: D,
+            ) -> std::result::Result<Self, D::Error> {
+                let visitor = $crate::units::written::WrittenVisitor(std::marker::PhantomData);
+                source.deserialize_any(visitor)
             }
         }
         $crate::units::written::schema!($type: $schema);
@@ -82,12 +86,12 @@ macro_rules! written {
 /// Implements `JsonSchema` with a literal schema.
 macro_rules! schema {
     ($type:ident: $schema:tt) => {
-        impl JsonSchema for $type {
-            fn schema_name() -> Cow<'static, str> {
+        impl schemars::JsonSchema for $type {
+            fn schema_name() -> std::borrow::Cow<'static, str> {
                 stringify!($type).into()
             }
-            fn json_schema(_: &mut SchemaGenerator) -> Schema {
-                json_schema!($schema)
+            fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+                schemars::json_schema!($schema)
             }
         }
     };
@@ -103,10 +107,10 @@ pub(crate) struct Number(pub(crate) f64);
 
 impl Written for Number {
     const EXPECTED: &'static str = "a number";
-    fn from_number(number: f64) -> Result<Self, String> {
+    fn from_number(number: f64) -> Checked<Self> {
         Ok(Self(number))
     }
-    fn from_text(text: &str) -> Result<Self, String> {
+    fn from_text(text: &str) -> Checked<Self> {
         Err(format!("needs a number, not the text {}", quoted(text)))
     }
 }
@@ -117,13 +121,13 @@ pub(crate) struct Length(pub(crate) f64);
 
 impl Written for Length {
     const EXPECTED: &'static str = "a length such as 2 (metres) or \"20 cm\"";
-    fn from_number(metres: f64) -> Result<Self, String> {
+    fn from_number(metres: f64) -> Checked<Self> {
         if metres.abs() > LONGEST {
             return Err(format!("must be at most {LONGEST:e} m, not {metres}"));
         }
         Ok(Self(metres))
     }
-    fn from_text(text: &str) -> Result<Self, String> {
+    fn from_text(text: &str) -> Checked<Self> {
         Self::from_number(quantity(text, Dimension::Length)?.value)
     }
 }
@@ -134,7 +138,7 @@ pub(crate) struct Size(pub(crate) f64);
 
 impl Written for Size {
     const EXPECTED: &'static str = Length::EXPECTED;
-    fn from_number(metres: f64) -> Result<Self, String> {
+    fn from_number(metres: f64) -> Checked<Self> {
         if metres <= 0.0 {
             return Err(format!("must be greater than 0, not {metres}"));
         }
@@ -143,7 +147,7 @@ impl Written for Size {
         }
         Length::from_number(metres).map(|Length(metres)| Self(metres))
     }
-    fn from_text(text: &str) -> Result<Self, String> {
+    fn from_text(text: &str) -> Checked<Self> {
         Self::from_number(quantity(text, Dimension::Length)?.value)
     }
 }
@@ -154,10 +158,10 @@ pub(crate) struct Angle(pub(crate) f64);
 
 impl Written for Angle {
     const EXPECTED: &'static str = "an angle such as 40 (degrees) or \"0.7 rad\"";
-    fn from_number(degrees: f64) -> Result<Self, String> {
+    fn from_number(degrees: f64) -> Checked<Self> {
         Ok(Self(degrees.to_radians()))
     }
-    fn from_text(text: &str) -> Result<Self, String> {
+    fn from_text(text: &str) -> Checked<Self> {
         Ok(Self(quantity(text, Dimension::Angle)?.value))
     }
 }
@@ -250,7 +254,7 @@ pub(crate) fn size<'de, D: Deserializer<'de>>(source: D) -> Result<f64, D::Error
 }
 
 /// Parses text that must be a quantity of one dimension.
-pub(crate) fn quantity(text: &str, wanted: Dimension) -> Result<Quantity, String> {
+pub(crate) fn quantity(text: &str, wanted: Dimension) -> Checked<Quantity> {
     let quantity = Quantity::parse(text)?;
     if quantity.dimension == wanted {
         return Ok(quantity);
@@ -266,7 +270,7 @@ pub(crate) fn units_of(dimension: Dimension) -> String {
     if energy == seen { format!("a unit such as {energy}") } else { format!("{energy} or {seen}") }
 }
 
-fn finite(number: f64) -> Result<f64, String> {
+fn finite(number: f64) -> Checked<f64> {
     if number.is_finite() {
         Ok(number)
     } else {

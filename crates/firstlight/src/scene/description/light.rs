@@ -2,6 +2,8 @@
 
 use crate::color::Rgb;
 use glam::DVec3;
+use schemars::JsonSchema;
+use serde::Deserialize;
 
 /// A light and its name.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,7 +70,8 @@ pub enum CameraLightAmount {
 }
 
 /// How a spot's intensity falls between its inner and outer angle.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum SpotFalloff {
     /// KHR_lights_punctual: the square of the cosine's linear ramp.
     #[default]
