@@ -16,8 +16,10 @@ mod sampler;
 pub mod scene;
 mod shading;
 mod simd;
+mod suggest;
 #[cfg(test)]
 mod testing;
+pub mod units;
 
 pub use camera::Camera;
 pub use geometry::{Ray, solid_angle};

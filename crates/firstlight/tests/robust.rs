@@ -47,7 +47,8 @@ fn moved(scene: &SceneDescription, scale: f64, shift: DVec3) -> SceneDescription
         DAffine3::from_scale_rotation_translation(DVec3::splat(scale), Default::default(), shift);
     let mut moved =
         SceneDescription { film: scene.film.clone(), shadows: scene.shadows, ..Default::default() };
-    moved.place(scene, &map, None);
+    let part = moved.adopt(scene.clone());
+    moved.place(&part, "moved", map, None);
     for light in &mut moved.lights {
         if let Light::Point { intensity, .. } = &mut light.light {
             *intensity *= (scale * scale) as f32;

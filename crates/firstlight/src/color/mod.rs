@@ -3,6 +3,9 @@
 mod srgb;
 
 pub use srgb::{srgb_code8, srgb_code16, srgb_decode, srgb_encode, srgb_linear8, srgb_linear16};
+mod parse;
+
+pub use parse::parse;
 
 /// Linear Rec. 709 red, green, blue: a radiance, irradiance, intensity or reflectance per channel.
 pub type Rgb = glam::Vec3;

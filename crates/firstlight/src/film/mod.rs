@@ -44,7 +44,7 @@ impl Pixel {
     /// The weighted mean as linear RGBA, colour not multiplied by alpha; transparent if there is no sample.
     pub(crate) fn develop(&self) -> [f32; 4] {
         let alpha = (self.alpha / self.weight).clamp(0.0, 1.0);
-        if self.count == 0 || !(alpha > 0.0) {
+        if self.count == 0 || alpha.is_nan() || alpha <= 0.0 {
             return [0.0; 4];
         }
         let [r, g, b] = self.radiance.map(|sum| (sum / self.alpha) as f32);

@@ -125,7 +125,7 @@ impl<'a> Direct<'a> {
             };
             let cos = point.surface.shading_normal.dot(light_sample.incoming);
             let radiance = point.bsdf.value() * light_sample.irradiance * cos;
-            if !(cos > 0.0) || radiance == Rgb::ZERO {
+            if cos <= 0.0 || radiance == Rgb::ZERO {
                 continue;
             }
             match self.scene.shadow_ray(light, &light_sample, &point.surface, &rays[point.ray]) {

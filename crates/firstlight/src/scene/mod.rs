@@ -6,7 +6,6 @@ pub mod description;
 mod filter;
 mod framing;
 mod interaction;
-mod place;
 mod studio;
 #[cfg(test)]
 mod tests;

@@ -1,7 +1,9 @@
 //! Lights as plain data.
 
 use crate::color::Rgb;
-use glam::{DAffine3, DVec3};
+use glam::DVec3;
+use schemars::JsonSchema;
+use serde::Deserialize;
 
 /// A light and its name.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,30 +70,12 @@ pub enum CameraLightAmount {
 }
 
 /// How a spot's intensity falls between its inner and outer angle.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum SpotFalloff {
     /// KHR_lights_punctual: the square of the cosine's linear ramp.
     #[default]
     Gltf,
     /// pbrt-v4: smoothstep of the cosine.
     Smoothstep,
-}
-
-impl LightDescription {
-    /// The same light under a map of the world. Its power, intensity or irradiance stays what it is.
-    pub fn transformed(&self, map: &DAffine3) -> Self {
-        let mut moved = self.clone();
-        match &mut moved.light {
-            Light::Point { position, .. } => *position = map.transform_point3(*position),
-            Light::Spot { position, direction, .. } => {
-                *position = map.transform_point3(*position);
-                *direction = map.transform_vector3(*direction).normalize();
-            }
-            Light::Directional { direction, .. } => {
-                *direction = map.transform_vector3(*direction).normalize();
-            }
-            Light::Ambient { .. } | Light::Camera { .. } => {}
-        }
-        moved
-    }
 }

@@ -2,6 +2,8 @@
 
 use crate::color::Rgb;
 use glam::{Affine2, Vec2};
+use schemars::JsonSchema;
+use serde::Deserialize;
 
 /// A matte surface: L = (R_d / π) Σ E_i cos θ_i, plus R_a · L_a of ambient light, plus what it emits.
 #[derive(Debug, Clone, PartialEq)]
@@ -102,7 +104,8 @@ pub enum Pattern {
 pub type UvTransform = Affine2;
 
 /// What a picture does outside 0..1.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum Wrap {
     /// Starts again.
     #[default]
@@ -114,7 +117,8 @@ pub enum Wrap {
 }
 
 /// How a picture is read between the centres of its pixels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum Sampling {
     /// Weighted by distance.
     #[default]

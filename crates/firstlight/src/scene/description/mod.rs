@@ -7,6 +7,7 @@
 mod light;
 mod material;
 mod mesh;
+mod place;
 mod shape;
 mod view;
 
@@ -15,6 +16,7 @@ pub use material::{
     Alpha, Material, Pattern, Pixels, Sampling, Texels, Texture, UvTransform, Wrap,
 };
 pub use mesh::Mesh;
+pub use place::Part;
 pub use shape::{Block, Cone, Cylinder, Disk, Plane, Quad, Shape, Sphere, Surface};
 pub use view::{CameraDescription, Exposure, FilmDescription, Filter, Projection, Shadows};
 

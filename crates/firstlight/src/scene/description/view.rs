@@ -1,6 +1,9 @@
 //! Camera, film and shading settings as plain data.
 
-use glam::{DAffine3, DVec3};
+use crate::units::written::{self, Size};
+use glam::DVec3;
+use schemars::JsonSchema;
+use serde::Deserialize;
 
 /// A camera in world space.
 #[derive(Debug, Clone, PartialEq)]
@@ -128,7 +131,8 @@ impl Default for Filter {
 }
 
 /// How shadow rays are kept from hitting the surface they leave: the lecture's blunder, its two cures, and ours.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum Shadows {
     /// Start outside the error bound of the computed point. Right at every scale.
     #[default]
@@ -140,21 +144,15 @@ pub enum Shadows {
     /// The lecture's first cure: naive start point, range from `epsilon`.
     TRange {
         /// Start of the range, m.
+        #[serde(deserialize_with = "written::size")]
+        #[schemars(with = "Size")]
         epsilon: f64,
     },
     /// The lecture's second cure: naive start point moved along the normal.
     MovedStart {
         /// How far, m.
+        #[serde(deserialize_with = "written::size")]
+        #[schemars(with = "Size")]
         epsilon: f64,
     },
-}
-
-impl CameraDescription {
-    /// The same camera under a map of the world. Lengths of its projection keep their metres.
-    pub fn transformed(&self, map: &DAffine3) -> Self {
-        let forward = map.transform_vector3(self.target - self.position);
-        let position = map.transform_point3(self.position);
-        let up = map.transform_vector3(self.up);
-        Self { position, target: position + forward, up, ..self.clone() }
-    }
 }

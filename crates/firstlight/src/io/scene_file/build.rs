@@ -1,0 +1,218 @@
+//! From what is written to a scene with indices.
+
+use super::document::{At, Document, Span};
+use super::light::Lighting;
+use super::material::Pictures;
+use super::surface::{NewShape, SurfaceKeys};
+use super::{InstanceKeys, ModelKeys, SceneKeys, transform};
+use crate::color::Rgb;
+use crate::diagnostic::Result;
+use crate::io::model::{self, Format, UpAxis, upright};
+use crate::io::{FileAccess, Warnings};
+use crate::scene::description::{
+    LuminousEfficacy, Material, Part, SceneDescription, Shape, Surface,
+};
+use crate::suggest::{did_you_mean, quoted};
+use glam::{DAffine3, DVec3};
+use indexmap::IndexMap;
+use std::collections::HashMap;
+use std::ops::Range;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Surfaces in a scene, at most: instances of models multiply, and a short file must not fill the memory.
+const MOST_SURFACES: usize = 1 << 22;
+
+/// A scene as it grows.
+pub(super) struct Builder<'a> {
+    document: &'a Document<'a>,
+    access: &'a FileAccess,
+    scene: SceneDescription,
+    up: UpAxis,
+    materials: HashMap<String, usize>,
+    /// The grey of surfaces without a material, once one is needed.
+    default_material: Option<usize>,
+    /// Model files that were read.
+    models: HashMap<PathBuf, (Part, Format)>,
+    /// Which surfaces each surface or model became, for instances.
+    placed: IndexMap<String, Range<usize>>,
+}
+
+/// Builds the scene that is written in `keys`.
+pub(super) fn build(
+    keys: SceneKeys,
+    document: &Document<'_>,
+    access: &FileAccess,
+    warnings: &mut Warnings,
+) -> Result<SceneDescription> {
+    let efficacy = keys.luminous_efficacy.0;
+    let mut scene = SceneDescription {
+        film: keys.film.describe(),
+        shadows: keys.shadows,
+        background: keys.background.0,
+        luminous_efficacy: LuminousEfficacy(efficacy),
+        ..SceneDescription::default()
+    };
+    for (name, camera) in
+        keys.camera.map(|camera| ("camera".to_owned(), camera)).into_iter().chain(keys.cameras)
+    {
+        scene.cameras.push(camera.describe(&name, keys.up, document)?);
+    }
+    let lighting = Lighting { document, efficacy };
+    for (name, light) in keys.lights {
+        scene.lights.push(lighting.describe(&name, light)?);
+    }
+    let mut builder = Builder {
+        document,
+        access,
+        scene,
+        up: keys.up,
+        materials: HashMap::new(),
+        default_material: None,
+        models: HashMap::new(),
+        placed: IndexMap::new(),
+    };
+    builder.add_materials(keys.materials)?;
+    for (name, surface) in keys.surfaces {
+        builder.add_surface(name, surface)?;
+    }
+    for (name, model) in keys.models {
+        builder.add_model(name, model, warnings)?;
+    }
+    for (name, instance) in keys.instances {
+        builder.add_instance(&name, instance)?;
+    }
+    Ok(builder.scene)
+}
+
+impl Builder<'_> {
+    fn add_materials(&mut self, materials: IndexMap<String, super::MaterialKeys>) -> Result<()> {
+        let (document, access) = (self.document, self.access);
+        let mut pictures =
+            Pictures { document, access, images: Vec::new(), by_file: HashMap::new() };
+        for (name, material) in materials {
+            self.scene.materials.push(material.describe(&name, &mut pictures)?);
+            self.materials.insert(name, self.scene.materials.len() - 1);
+        }
+        self.scene.images = pictures.images;
+        Ok(())
+    }
+
+    fn add_surface(
+        &mut self,
+        name: String,
+        At { span, value: keys }: At<SurfaceKeys>,
+    ) -> Result<()> {
+        let shape = match keys.shape(&name, &span, self.document)? {
+            NewShape::Ready(shape) => shape,
+            NewShape::Mesh(mesh) => {
+                self.scene.meshes.push(Arc::new(mesh));
+                Shape::Mesh(self.scene.meshes.len() - 1)
+            }
+        };
+        let material = match self.material(keys.material.as_ref())? {
+            Some(material) => material,
+            None => self.default_material(),
+        };
+        let transform = transform::compose(keys.transform.as_ref(), self.document)?;
+        let start = self.scene.surfaces.len();
+        self.scene.surfaces.push(Surface { name: name.clone(), shape, material, transform });
+        self.placed.insert(name, start..start + 1);
+        Ok(())
+    }
+
+    fn add_model(
+        &mut self,
+        name: String,
+        At { span, value: keys }: At<ModelKeys>,
+        warnings: &mut Warnings,
+    ) -> Result<()> {
+        if self.placed.contains_key(&name) {
+            return Err(self.document.error(&span, "has the name of a surface; choose another"));
+        }
+        let file = self.load(&keys.file, warnings)?;
+        let Some((part, format)) = self.models.get(&file) else { return Ok(()) };
+        let own = transform::compose(keys.transform.as_ref(), self.document)?;
+        let stand = upright(keys.up.unwrap_or(format.up()), self.up);
+        let scale = keys.unit.map_or(1.0, |unit| unit.0);
+        let transform = own * stand * DAffine3::from_scale(DVec3::splat(scale));
+        let start = self.scene.surfaces.len();
+        let material = self.material(keys.material.as_ref())?;
+        self.check_room(part.surfaces.len(), &span)?;
+        self.scene.place(part, &name, transform, material);
+        self.placed.insert(name, start..self.scene.surfaces.len());
+        Ok(())
+    }
+
+    /// Reads a model file unless it was read before; returns the key to `models`.
+    fn load(&mut self, file: &At<String>, warnings: &mut Warnings) -> Result<PathBuf> {
+        let At { span, value: name } = file;
+        let path = self.document.open(span, self.access.resolve(name))?;
+        let real = path.canonicalize().unwrap_or_else(|_| path.clone());
+        if !self.models.contains_key(&real) {
+            let access = self.access.within(&path);
+            let (model, format) = model::read_with_format(&path, &access, warnings)?;
+            let part = self.scene.adopt(model);
+            self.models.insert(real.clone(), (part, format));
+        }
+        Ok(real)
+    }
+
+    /// Repeats the surfaces of a surface or model, moved after their own transform.
+    fn add_instance(
+        &mut self,
+        name: &str,
+        At { span, value: keys }: At<InstanceKeys>,
+    ) -> Result<()> {
+        let of = &keys.of.value;
+        let Some(range) = self.placed.get(of).cloned() else {
+            let hint = did_you_mean(of, self.placed.keys().map(String::as_str));
+            let message = format!("needs the name of a surface or model, not {}{hint}", quoted(of));
+            return Err(self.document.error(&keys.of.span, message));
+        };
+        let material = self.material(keys.material.as_ref())?;
+        let transform = transform::compose(keys.transform.as_ref(), self.document)?;
+        self.check_room(range.len(), &span)?;
+        for i in range {
+            let Some(original) = self.scene.surfaces.get(i) else { continue };
+            let own_name = original.name.strip_prefix(of.as_str()).unwrap_or_default();
+            let copy = Surface {
+                name: format!("{name}{own_name}"),
+                shape: original.shape.clone(),
+                material: material.unwrap_or(original.material),
+                transform: transform * original.transform,
+            };
+            self.scene.surfaces.push(copy);
+        }
+        Ok(())
+    }
+
+    fn check_room(&self, more: usize, span: &Span) -> Result<()> {
+        if self.scene.surfaces.len().saturating_add(more) <= MOST_SURFACES {
+            return Ok(());
+        }
+        Err(self.document.error(
+            span,
+            format!("makes more than {MOST_SURFACES} surfaces, the most there can be"),
+        ))
+    }
+
+    /// The index of a material by its name.
+    fn material(&self, name: Option<&At<String>>) -> Result<Option<usize>> {
+        let Some(At { span, value: name }) = name else { return Ok(None) };
+        if let Some(&index) = self.materials.get(name) {
+            return Ok(Some(index));
+        }
+        let hint = did_you_mean(name, self.materials.keys().map(String::as_str));
+        Err(self
+            .document
+            .error(span, format!("needs the name of a material, not {}{hint}", quoted(name))))
+    }
+
+    fn default_material(&mut self) -> usize {
+        *self.default_material.get_or_insert_with(|| {
+            self.scene.materials.push(Material::matte("default", Rgb::splat(0.5)));
+            self.scene.materials.len() - 1
+        })
+    }
+}

@@ -1,0 +1,167 @@
+//! What the TOML reader complains about, in words that name the key and the way out.
+
+use crate::diagnostic::Place;
+use crate::suggest::{did_you_mean, quoted};
+use std::fmt;
+
+/// The keys and indices that lead to a value: `lights.key.point`, `surfaces.ball.transform[1]`.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Path(Vec<PathStep>);
+
+/// One step of a [`Path`].
+#[derive(Debug, Clone)]
+pub(super) enum PathStep {
+    Key(String),
+    Index(usize),
+}
+
+impl Path {
+    pub(super) fn push(&mut self, step: PathStep) {
+        self.0.push(step);
+    }
+
+    /// Removes the last step; returns false, which reads well where a search goes on.
+    pub(super) fn pop(&mut self) -> bool {
+        self.0.pop();
+        false
+    }
+
+    fn ends_with(&self, name: &str) -> bool {
+        matches!(self.0.last(), Some(PathStep::Key(key)) if key == name)
+    }
+
+    /// The path without its last step if that is `name`.
+    fn above(&self, name: &str) -> Self {
+        let mut path = self.clone();
+        if path.ends_with(name) {
+            path.pop();
+        }
+        path
+    }
+
+    /// A table that shows how a thing of this kind is written.
+    fn example(&self) -> Option<String> {
+        let kind = match self.0.first()? {
+            PathStep::Key(key) => match key.as_str() {
+                "camera" | "cameras" => "perspective",
+                "lights" => "point",
+                "materials" => "lambert",
+                _ => return None,
+            },
+            PathStep::Index(_) => return None,
+        };
+        Some(format!("write it as [{self}.{kind}]"))
+    }
+}
+
+impl fmt::Display for Path {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.0.is_empty() {
+            return f.write_str("the scene");
+        }
+        for (i, step) in self.0.iter().enumerate() {
+            match step {
+                PathStep::Index(index) => write!(f, "[{index}]")?,
+                PathStep::Key(key) => {
+                    f.write_str(if i == 0 { "" } else { "." })?;
+                    let bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+                    let plain = !key.is_empty() && key.len() <= 80 && key.chars().all(bare);
+                    f.write_str(&if plain { key.clone() } else { quoted(key) })?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Serde's message about the thing at `path`, as a sentence and a help.
+///
+/// Messages of our own types are predicates ("must be greater than 0, not -1") and get `path` as their subject.
+pub(super) fn reword(message: &str, path: &Path) -> (String, Option<String>) {
+    let plain = |text: String| (text, None);
+    if let Some(rest) = message.strip_prefix("unknown field ") {
+        let (name, known) = names(rest);
+        let hint = did_you_mean(name, known.iter().copied());
+        let message = format!("unknown field {} in {}{hint}", quoted(name), path.above(name));
+        return (message, list("it knows", &known));
+    }
+    if let Some(rest) = message.strip_prefix("unknown variant ") {
+        let (name, known) = names(rest);
+        let hint = did_you_mean(name, known.iter().copied());
+        let message = format!("unknown choice {} in {}{hint}", quoted(name), path.above(name));
+        return (message, list("choose one of", &known));
+    }
+    if let Some(rest) = message.strip_prefix("unexpected keys in table: ") {
+        let known = rest.split_once(", available keys: ").map_or("", |(_, known)| known);
+        return (format!("unknown field {path}"), Some(format!("it knows {known}")));
+    }
+    if let Some(rest) = message.strip_prefix("missing field ") {
+        return plain(format!("{path} needs {}", quoted(names(rest).0)));
+    }
+    if message.contains("unit variant, expected") {
+        let help = "write it as a table: { name = { key = value } }".to_owned();
+        return (format!("{path} needs settings for this choice"), Some(help));
+    }
+    if let Some((found, expected)) = expected(message) {
+        return plain(format!("{path} needs {expected}, not {}", describe(found)));
+    }
+    if message.starts_with("wanted exactly 1 element") {
+        return (format!("{path} needs exactly one kind"), path.example());
+    }
+    if message == "wanted string or table" {
+        return plain(format!("{path} needs a word or a table"));
+    }
+    if message.ends_with("overflowed") {
+        return plain(format!("{path} has a number that is too large"));
+    }
+    plain(format!("{path} {message}"))
+}
+
+/// A way out of the syntax errors that scenes invite.
+pub(super) fn syntax_help(place: &Place) -> Option<String> {
+    let (_, value) = place.source.as_deref()?.split_once('=')?;
+    let value = value.trim();
+    let bare_word = value.starts_with(|c: char| c.is_alphanumeric() || "#-+.".contains(c));
+    bare_word.then(|| "text, such as a unit, colour or file, goes in quotation marks".to_owned())
+}
+
+/// The first name in backticks, and those after it.
+fn names(message: &str) -> (&str, Vec<&str>) {
+    // The first name is the user's and may itself hold backticks; the rest are ours.
+    let (name, known) = message.split_once("`, ").unwrap_or((message, ""));
+    (name.trim_matches('`'), known.split('`').skip(1).step_by(2).collect())
+}
+
+fn list(intro: &str, known: &[&str]) -> Option<String> {
+    (!known.is_empty()).then(|| format!("{intro} {}", known.join(", ")))
+}
+
+/// Splits "invalid type: A, expected B" and its relatives.
+fn expected(message: &str) -> Option<(&str, String)> {
+    let kinds = ["invalid type: ", "invalid value: ", "invalid length "];
+    let rest = kinds.iter().find_map(|kind| message.strip_prefix(kind))?;
+    let (found, expected) = rest.rsplit_once(", expected ")?;
+    let expected = match expected {
+        "a sequence" => "a list".to_owned(),
+        "a string" => "text in quotation marks".to_owned(),
+        "a boolean" => "true or false".to_owned(),
+        _ => match expected.strip_prefix("struct ") {
+            Some(_) => "a table".to_owned(),
+            None => expected.to_owned(),
+        },
+    };
+    Some((found, expected))
+}
+
+/// What serde found, in plain words.
+fn describe(found: &str) -> String {
+    match found {
+        "map" => "a table".into(),
+        "sequence" => "a list".into(),
+        _ => match found.strip_prefix("string ") {
+            Some(text) => format!("the text {}", quoted(text.trim_matches('"'))),
+            None if found.bytes().all(|b| b.is_ascii_digit()) => format!("{found} values"),
+            None => found.chars().filter(|c| *c != '`').take(80).collect(),
+        },
+    }
+}

@@ -1,0 +1,158 @@
+//! A scene's text with the overrides laid over it, and the place of everything in them.
+
+use super::complaint::{self, Path, PathStep};
+use super::overrides::Override;
+use crate::diagnostic::{Diagnostic, Place, Result};
+use schemars::{JsonSchema, Schema, SchemaGenerator};
+use serde::de::{Deserialize, DeserializeOwned, Deserializer};
+use serde_spanned::Spanned;
+use std::borrow::Cow;
+use std::ops::Range;
+use toml::de::{DeTable, DeValue, ValueDeserializer};
+
+/// Where something stands: a range of bytes in the text, or beyond it in the overrides laid end to end.
+pub(super) type Span = Range<usize>;
+
+/// A value and where it was written.
+#[derive(Debug, Clone)]
+pub(super) struct At<T> {
+    pub(super) span: Span,
+    pub(super) value: T,
+}
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for At<T> {
+    fn deserialize<D: Deserializer<'de>>(source: D) -> std::result::Result<Self, D::Error> {
+        let spanned = Spanned::<T>::deserialize(source)?;
+        Ok(Self { span: spanned.span(), value: spanned.into_inner() })
+    }
+}
+
+impl<T: JsonSchema> JsonSchema for At<T> {
+    fn inline_schema() -> bool {
+        T::inline_schema()
+    }
+    fn schema_name() -> Cow<'static, str> {
+        T::schema_name()
+    }
+    fn schema_id() -> Cow<'static, str> {
+        T::schema_id()
+    }
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        T::json_schema(generator)
+    }
+}
+
+/// The text of a scene, its name and what is laid over it.
+#[derive(Clone, Copy)]
+pub(super) struct Document<'a> {
+    pub(super) name: &'a str,
+    pub(super) text: &'a str,
+    pub(super) overrides: &'a [Override],
+}
+
+impl<'a> Document<'a> {
+    /// Deserialises the document; errors have their place and path.
+    pub(super) fn read<T: DeserializeOwned>(&self) -> Result<T> {
+        T::deserialize(ValueDeserializer::from(self.tree()?)).map_err(|error| {
+            let span = error.span().unwrap_or_default();
+            let path = self.path(&span);
+            let (message, help) = complaint::reword(error.message(), &path);
+            Box::new(Diagnostic { message, place: self.place(&span), help })
+        })
+    }
+
+    /// A complaint about the value or key at `span`: its path, then `predicate` ("needs ...", "must ...").
+    pub(super) fn error(&self, span: &Span, predicate: impl AsRef<str>) -> Box<Diagnostic> {
+        let message = format!("{} {}", self.path(span), predicate.as_ref());
+        Box::new(Diagnostic { message, place: self.place(span), help: None })
+    }
+
+    /// A file's content, or the complaint about it where the file is named.
+    pub(super) fn open<T>(&self, span: &Span, content: Result<T>) -> Result<T> {
+        content.map_err(|mut error| {
+            error.message = format!("{}: {}: {}", self.path(span), error.place, error.message);
+            error.place = self.place(span);
+            error
+        })
+    }
+
+    /// The parsed text with the overrides in it. Theirs are spans beyond the text.
+    fn tree(&self) -> Result<Spanned<DeValue<'a>>> {
+        let table = DeTable::parse(self.text).map_err(|error| {
+            let place = self.place(&error.span().unwrap_or_default());
+            let help = complaint::syntax_help(&place);
+            Diagnostic { message: error.message().to_owned(), place, help }
+        })?;
+        let mut tree = Spanned::new(table.span(), DeValue::Table(table.into_inner()));
+        let mut offset = self.text.len() + 1;
+        for over in self.overrides {
+            over.apply(&mut tree, offset)?;
+            offset += over.text.len() + 1;
+        }
+        Ok(tree)
+    }
+
+    /// The keys that lead to `span`; empty if it is nowhere in particular.
+    fn path(&self, span: &Span) -> Path {
+        // Only errors ask, so that parsing again is cheaper than a copy of every tree.
+        let mut path = Path::default();
+        if let Ok(tree) = self.tree() {
+            find(&tree, span, &mut path);
+        }
+        path
+    }
+
+    /// The file and line, or the override, that `span` lies in.
+    fn place(&self, span: &Span) -> Place {
+        let Some(mut offset) = span.start.checked_sub(self.text.len() + 1) else {
+            return place_in_text(self.name, self.text, span);
+        };
+        for over in self.overrides {
+            if offset <= over.text.len() {
+                return over.place();
+            }
+            offset -= over.text.len() + 1;
+        }
+        Place { file: self.name.into(), ..Place::default() }
+    }
+}
+
+/// The line and column of a range of bytes, and the line itself unless it is too long to show.
+pub(super) fn place_in_text(name: &str, text: &str, span: &Span) -> Place {
+    const LONGEST_SHOWN: usize = 200;
+    let start = text.floor_char_boundary(span.start);
+    let end = text.floor_char_boundary(span.end.max(start));
+    let (before, after) = text.split_at(start);
+    let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
+    let line_end = start + after.find('\n').unwrap_or(after.len());
+    let line = text[line_start..line_end].trim_end_matches('\r');
+    let visible = |c: char| if c.is_control() || c == '\u{feff}' { ' ' } else { c };
+    Place {
+        file: name.into(),
+        line: Some(before.matches('\n').count() + 1),
+        column: Some(text[line_start..start].chars().count() + 1),
+        length: text[start..end.min(line_end).max(start)].chars().count().max(1),
+        source: (line.len() <= LONGEST_SHOWN).then(|| line.chars().map(visible).collect()),
+        part: None,
+    }
+}
+
+/// Extends `path` to the key or value with exactly this span, if it is at or below `value`.
+fn find(value: &Spanned<DeValue<'_>>, span: &Span, path: &mut Path) -> bool {
+    if value.span() == *span {
+        return true;
+    }
+    let mut below = |step: PathStep, key: Option<Span>, value: &Spanned<DeValue<'_>>| {
+        path.push(step);
+        key.as_ref() == Some(span) || find(value, span, path) || path.pop()
+    };
+    match value.get_ref() {
+        DeValue::Table(table) => table.iter().any(|(key, value)| {
+            below(PathStep::Key(key.get_ref().to_string()), Some(key.span()), value)
+        }),
+        DeValue::Array(list) => {
+            list.iter().enumerate().any(|(i, value)| below(PathStep::Index(i), None, value))
+        }
+        _ => false,
+    }
+}

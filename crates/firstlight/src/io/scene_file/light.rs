@@ -1,0 +1,332 @@
+//! `[lights.name.kind]`: lights, their quantities and what colour means for them.
+
+use super::color::Color;
+use super::document::{At, Document, Span};
+use crate::color::{Rgb, luminance};
+use crate::diagnostic::Result;
+use crate::scene::description::{CameraLightAmount, Light, LightDescription, SpotFalloff};
+use crate::units::written::{
+    Angle, Checked, Direction, Point, WITH_UNIT, Written, WrittenVisitor, quantity, units_of,
+};
+use crate::units::{Dimension, Measure};
+use glam::DVec3;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::Deserialize;
+use serde::de::Deserializer;
+use std::borrow::Cow;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+use std::marker::PhantomData;
+
+/// A light of one kind.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum LightKeys {
+    /// A point that shines everywhere alike.
+    Point(At<PointKeys>),
+    /// A point that shines into a cone.
+    Spot(At<SpotKeys>),
+    /// Parallel light from far away, such as the sun's.
+    Directional(At<DirectionalKeys>),
+    /// Constant light from everywhere, without shadows.
+    Ambient(At<AmbientKeys>),
+    /// A light at the camera, without visible shadows.
+    Camera(At<CameraLightKeys>),
+}
+
+/// A point light: exactly one of `power` and `intensity`.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PointKeys {
+    /// Where it is, m.
+    position: Point,
+    /// All that it gives: W or lm.
+    power: Option<At<Amount<Power>>>,
+    /// What it gives per direction: W/sr or cd.
+    intensity: Option<At<Amount<Intensity>>>,
+    /// Its colour. Default white.
+    color: Option<Color>,
+    /// Whether surfaces in between cast shadows. Default true.
+    shadows: Option<bool>,
+}
+
+/// A spot light: exactly one of `target` and `direction`.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SpotKeys {
+    /// Where it is, m.
+    position: Point,
+    /// The point it shines at, m.
+    target: Option<At<Point>>,
+    /// The direction it shines in.
+    direction: Option<At<Direction>>,
+    /// What it gives along its axis: W/sr or cd.
+    intensity: At<Amount<Intensity>>,
+    /// Half angle up to which it is bright; less than `outer_angle`. Default 0.
+    inner_angle: Option<At<Angle>>,
+    /// Half angle from which on it is dark, at most 90 degrees. Default 45.
+    outer_angle: Option<At<Angle>>,
+    /// How the light falls from the inner to the outer angle. Default "gltf".
+    falloff: Option<SpotFalloff>,
+    /// Its colour. Default white.
+    color: Option<Color>,
+    /// Whether surfaces in between cast shadows. Default true.
+    shadows: Option<bool>,
+}
+
+/// Parallel light.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DirectionalKeys {
+    /// The direction in which the light travels.
+    direction: Direction,
+    /// What falls on a surface that faces it: W/m² or lx.
+    irradiance: At<Amount<Irradiance>>,
+    /// Its colour. Default white.
+    color: Option<Color>,
+    /// Whether surfaces in between cast shadows. Default true.
+    shadows: Option<bool>,
+}
+
+/// Constant ambient light.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct AmbientKeys {
+    /// What comes from every direction: W/(sr m²) or nit.
+    radiance: At<Amount<Radiance>>,
+    /// Its colour. Default white.
+    color: Option<Color>,
+}
+
+/// A light at the camera: exactly one of `irradiance`, `intensity` and `power`.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CameraLightKeys {
+    /// What falls on a surface that faces the camera, at any distance: W/m² or lx.
+    irradiance: Option<At<Amount<Irradiance>>>,
+    /// What a point light at the camera gives per direction: W/sr or cd.
+    intensity: Option<At<Amount<Intensity>>>,
+    /// All that a point light at the camera gives: W or lm.
+    power: Option<At<Amount<Power>>>,
+    /// Its colour. Default white.
+    color: Option<Color>,
+}
+
+/// A dimension as a type, so that a key accepts only its own units.
+pub(super) trait Dimensioned {
+    const DIMENSION: Dimension;
+    const EXPECTED: &'static str;
+    const EXAMPLES: [&'static str; 2];
+}
+
+macro_rules! dimensions {
+    ($($name:ident: $expected:literal, $examples:expr;)*) => {$(
+        #[derive(Debug)]
+        pub(super) struct $name;
+        impl Dimensioned for $name {
+            const DIMENSION: Dimension = Dimension::$name;
+            const EXPECTED: &'static str = $expected;
+            const EXAMPLES: [&'static str; 2] = $examples;
+        }
+    )*};
+}
+
+dimensions! {
+    Power: "a power such as 60 (W), \"60 W\", \"800 lm\" or [60, 50, 40]", ["60 W", "800 lm"];
+    Intensity: "an intensity such as 5 (W/sr), \"1200 cd\" or [5, 4, 3]", ["5 W/sr", "1200 cd"];
+    Irradiance: "an irradiance such as 3 (W/m²), \"10 klx\" or [3, 2, 1]", ["3 W/m²", "10 klx"];
+    Radiance: "a radiance such as 0.1 (W/(sr m²)), \"20 nit\" or [0.1, 0.2, 0.3]", ["0.1 W/(sr m²)", "20 nit"];
+}
+
+/// How much light, before its colour.
+#[derive(Debug)]
+pub(super) enum Amount<D> {
+    /// SI units of energy, per channel.
+    Energy(DVec3),
+    /// SI units of light as seen, all channels together.
+    Seen(f64, PhantomData<D>),
+}
+
+impl<D: Dimensioned> Written for Amount<D> {
+    const EXPECTED: &'static str = D::EXPECTED;
+
+    fn from_number(number: f64) -> Checked<Self> {
+        Self::from_triple([number; 3])
+    }
+
+    fn from_text(text: &str) -> Checked<Self> {
+        let quantity = quantity(text, D::DIMENSION)?;
+        match quantity.measure {
+            Measure::Radiometric => Self::from_number(quantity.value),
+            Measure::Photometric => {
+                Self::from_number(quantity.value).map(|_| Self::Seen(quantity.value, PhantomData))
+            }
+        }
+    }
+
+    fn from_triple(channels: [f64; 3]) -> Checked<Self> {
+        match channels.iter().find(|channel| **channel < 0.0) {
+            Some(negative) => {
+                Err(format!("must not be negative: light is never less than none, not {negative}"))
+            }
+            None => Ok(Self::Energy(channels.into())),
+        }
+    }
+}
+
+impl<'de, D: Dimensioned> Deserialize<'de> for Amount<D> {
+    fn deserialize<S: Deserializer<'de>>(source: S) -> std::result::Result<Self, S::Error> {
+        source.deserialize_any(WrittenVisitor(PhantomData))
+    }
+}
+
+impl<D: Dimensioned> JsonSchema for Amount<D> {
+    fn schema_name() -> Cow<'static, str> {
+        format!("{:?}", D::DIMENSION).into()
+    }
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({
+            "description": format!("A number or list of three (SI), or text in {}", units_of(D::DIMENSION)),
+            "anyOf": [
+                { "type": "number", "minimum": 0 },
+                { "type": "string", "pattern": WITH_UNIT },
+                { "type": "array", "items": { "type": "number", "minimum": 0 }, "minItems": 3, "maxItems": 3 }
+            ],
+            "examples": D::EXAMPLES
+        })
+    }
+}
+
+/// What turns written amounts into radiometric channels.
+pub(super) struct Lighting<'a> {
+    pub(super) document: &'a Document<'a>,
+    /// Lumens per watt.
+    pub(super) efficacy: f64,
+}
+
+impl Lighting<'_> {
+    /// The light as plain data.
+    pub(super) fn describe(&self, name: &str, keys: LightKeys) -> Result<LightDescription> {
+        let (light, shadows) = match keys {
+            LightKeys::Point(At { span, value }) => {
+                let shadows = value.shadows.unwrap_or(true);
+                (self.point(value, &span)?, shadows)
+            }
+            LightKeys::Spot(At { span, value }) => {
+                let shadows = value.shadows.unwrap_or(true);
+                (self.spot(value, &span)?, shadows)
+            }
+            LightKeys::Directional(At { value, .. }) => {
+                let irradiance = self.channels(&value.irradiance, value.color)?;
+                let light = Light::Directional { direction: value.direction.0, irradiance };
+                (light, value.shadows.unwrap_or(true))
+            }
+            LightKeys::Ambient(At { value, .. }) => {
+                (Light::Ambient { radiance: self.channels(&value.radiance, value.color)? }, false)
+            }
+            LightKeys::Camera(At { span, value }) => {
+                (Light::Camera { amount: self.camera_light(value, &span)? }, false)
+            }
+        };
+        Ok(LightDescription { name: name.into(), light, shadows })
+    }
+
+    fn point(&self, keys: PointKeys, light: &Span) -> Result<Light> {
+        let intensity = match (&keys.power, &keys.intensity) {
+            (Some(power), None) => self.channels(power, keys.color)? / (4.0 * PI) as f32,
+            (None, Some(intensity)) => self.channels(intensity, keys.color)?,
+            (Some(_), Some(second)) => return Err(self.one_of("power or intensity", &second.span)),
+            (None, None) => {
+                return Err(self.none_of("power (W, lm) or intensity (W/sr, cd)", light));
+            }
+        };
+        Ok(Light::Point { position: keys.position.0, intensity })
+    }
+
+    fn spot(&self, keys: SpotKeys, light: &Span) -> Result<Light> {
+        let Point(position) = keys.position;
+        let direction = match (&keys.target, &keys.direction) {
+            (Some(target), None) => (target.value.0 - position)
+                .try_normalize()
+                .ok_or_else(|| self.document.error(&target.span, "must differ from position"))?,
+            (None, Some(direction)) => direction.value.0,
+            (Some(_), Some(second)) => return Err(self.one_of("target or direction", &second.span)),
+            (None, None) => return Err(self.none_of("target or direction", light)),
+        };
+        let (inner_angle, outer_angle) = self.cone(keys.inner_angle, keys.outer_angle)?;
+        Ok(Light::Spot {
+            position,
+            direction,
+            intensity: self.channels(&keys.intensity, keys.color)?,
+            inner_angle,
+            outer_angle,
+            falloff: keys.falloff.unwrap_or_default(),
+        })
+    }
+
+    /// 0 ≤ inner < outer ≤ 90°.
+    fn cone(&self, inner: Option<At<Angle>>, outer: Option<At<Angle>>) -> Result<(f64, f64)> {
+        let outer_angle = outer.as_ref().map_or(FRAC_PI_4, |at| at.value.0);
+        let inner_angle = inner.as_ref().map_or(0.0, |at| at.value.0);
+        // A hair of slack for 90 degrees written in radians.
+        if let Some(outer) = &outer
+            && !(outer_angle > 0.0 && outer_angle <= FRAC_PI_2 + 1e-6)
+        {
+            return Err(self.document.error(&outer.span, "must be more than 0° and at most 90°"));
+        }
+        if inner_angle < 0.0 || inner_angle >= outer_angle {
+            let span = inner.or(outer).map(|at| at.span).unwrap_or_default();
+            let degrees = outer_angle.to_degrees();
+            let message = format!("must be at least 0° and less than the outer angle, {degrees}°");
+            return Err(self.document.error(&span, message));
+        }
+        Ok((inner_angle, outer_angle.min(FRAC_PI_2)))
+    }
+
+    fn camera_light(&self, keys: CameraLightKeys, light: &Span) -> Result<CameraLightAmount> {
+        let CameraLightKeys { irradiance, intensity, power, color } = keys;
+        let choice = "irradiance (W/m², lx), intensity (W/sr, cd) or power (W, lm)";
+        match (&irradiance, &intensity, &power) {
+            (Some(amount), None, None) => {
+                Ok(CameraLightAmount::Irradiance(self.channels(amount, color)?))
+            }
+            (None, Some(amount), None) => {
+                Ok(CameraLightAmount::Intensity(self.channels(amount, color)?))
+            }
+            (None, None, Some(amount)) => {
+                let power = self.channels(amount, color)?;
+                Ok(CameraLightAmount::Intensity(power / (4.0 * PI) as f32))
+            }
+            (None, None, None) => Err(self.none_of(choice, light)),
+            (_, Some(At { span, .. }), _) | (_, _, Some(At { span, .. })) => {
+                Err(self.one_of("irradiance, intensity or power", span))
+            }
+        }
+    }
+
+    /// Radiometric channels. Colour multiplies energy; of light as seen it gives only the chromaticity.
+    fn channels<D>(&self, amount: &At<Amount<D>>, color: Option<Color>) -> Result<Rgb> {
+        let color = color.map_or(Rgb::ONE, |Color(color)| color);
+        let scale = match amount.value {
+            Amount::Energy(channels) => channels,
+            Amount::Seen(value, _) => {
+                let seen = f64::from(luminance(color)) * self.efficacy;
+                if seen <= 0.0 {
+                    let message = "cannot be reached by black light; give it another color";
+                    return Err(self.document.error(&amount.span, message));
+                }
+                DVec3::splat(value / seen)
+            }
+        };
+        let channels = (color.as_dvec3() * scale).as_vec3();
+        let overflow = || self.document.error(&amount.span, "is too bright to be a number");
+        channels.is_finite().then_some(channels).ok_or_else(overflow)
+    }
+
+    fn one_of(&self, choice: &str, second: &Span) -> Box<crate::diagnostic::Diagnostic> {
+        self.document.error(second, format!("is one too many: give {choice}, not both"))
+    }
+
+    fn none_of(&self, choice: &str, light: &Span) -> Box<crate::diagnostic::Diagnostic> {
+        self.document.error(light, format!("needs {choice}"))
+    }
+}

@@ -1,0 +1,134 @@
+//! `-D key.path=value`: one value of a scene, set from outside.
+
+use crate::diagnostic::{Diagnostic, Place, Result};
+use crate::suggest::quoted;
+use serde_spanned::Spanned;
+use std::borrow::Cow;
+use std::ops::Range;
+use std::str::FromStr;
+use toml::de::{DeTable, DeValue};
+
+/// A value laid over a scene: `lights.key.point.power=60 W`, `film.samples=64`, `camera.perspective.fov=30`.
+///
+/// The value is TOML; what is not TOML is taken as text, so that units and colours need no quotation marks.
+/// It replaces what is there, and a number in the path picks an element of a list.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Override {
+    pub(super) text: String,
+    /// The keys and where they stand in `text`.
+    keys: Vec<(String, Range<usize>)>,
+    /// Where the value stands in `text`, without blanks around it.
+    value: Range<usize>,
+}
+
+impl FromStr for Override {
+    type Err = Box<Diagnostic>;
+
+    /// # Errors
+    /// If there is no `=` or no key before it.
+    fn from_str(text: &str) -> Result<Self> {
+        // A quoted key may hold a `=` itself: the first one that leaves a key in front is meant.
+        let split = text.match_indices('=').take(8).find_map(|(i, _)| Some((i, keys(&text[..i])?)));
+        let Some((equals, keys)) = split else {
+            let error = Diagnostic::new(format!("-D {}", quoted(text)), "this sets no value");
+            return Err(Box::new(error.help("write key.path=value, such as film.samples=64")));
+        };
+        let after = &text[equals + 1..];
+        let start = equals + 1 + (after.len() - after.trim_start().len());
+        let value = start..start + after.trim().len();
+        Ok(Self { text: text.to_owned(), keys, value })
+    }
+}
+
+impl Override {
+    /// Sets the value in the table `root`; spans are those in the override's text plus `offset`.
+    pub(super) fn apply<'a>(
+        &'a self,
+        root: &mut Spanned<DeValue<'a>>,
+        offset: usize,
+    ) -> Result<()> {
+        self.set(root, &self.keys, offset)
+    }
+
+    fn set<'a>(
+        &'a self,
+        slot: &mut Spanned<DeValue<'a>>,
+        keys: &'a [(String, Range<usize>)],
+        offset: usize,
+    ) -> Result<()> {
+        let Some(((key, span), rest)) = keys.split_first() else {
+            *slot = shifted(self.value(), self.value.start + offset);
+            return Ok(());
+        };
+        let span = span.start + offset..span.end + offset;
+        let empty = || Spanned::new(span.clone(), DeValue::Table(DeTable::new()));
+        let inner = match slot.get_mut() {
+            DeValue::Table(table) => table
+                .entry(Spanned::new(span.clone(), Cow::Borrowed(key.as_str())))
+                .or_insert_with(empty),
+            DeValue::Array(list) => {
+                let length = list.len();
+                let element = key.parse().ok().and_then(|index: usize| list.get_mut(index));
+                element.ok_or_else(|| {
+                    let key = quoted(key);
+                    self.error(format!("{key} is no element of a list of {length}"))
+                })?
+            }
+            _ => return Err(self.error(format!("there is nothing inside to be {}", quoted(key)))),
+        };
+        self.set(inner, rest, offset)
+    }
+
+    /// The value as TOML or, failing that, as text.
+    fn value(&self) -> Spanned<DeValue<'_>> {
+        let text = self.text.get(self.value.clone()).unwrap_or("");
+        DeValue::parse(text)
+            .unwrap_or_else(|_| Spanned::new(0..text.len(), DeValue::String(Cow::Borrowed(text))))
+    }
+
+    /// The override itself as the place of a complaint.
+    pub(super) fn place(&self) -> Place {
+        let shown = quoted(&self.text);
+        Place { file: format!("-D {}", shown.trim_matches('"')), ..Place::default() }
+    }
+
+    fn error(&self, message: String) -> Box<Diagnostic> {
+        Box::new(Diagnostic { message, place: self.place(), help: None })
+    }
+}
+
+/// The bare or quoted keys of a dotted key, each with its place.
+fn keys(text: &str) -> Option<Vec<(String, Range<usize>)>> {
+    let source = format!("{text}=0");
+    let mut table = &DeTable::parse(&source).ok()?.into_inner();
+    let mut keys = Vec::new();
+    loop {
+        let mut entries = table.iter();
+        let (Some((key, value)), None) = (entries.next(), entries.next()) else { return None };
+        keys.push((key.get_ref().to_string(), key.span()));
+        match value.get_ref() {
+            DeValue::Table(inner) => table = inner,
+            DeValue::Integer(_) => return Some(keys),
+            _ => return None,
+        }
+    }
+}
+
+/// The value with `by` added to all its spans.
+fn shifted<'a>(value: Spanned<DeValue<'a>>, by: usize) -> Spanned<DeValue<'a>> {
+    let later = |span: Range<usize>| span.start + by..span.end + by;
+    let span = later(value.span());
+    let value = match value.into_inner() {
+        DeValue::Array(list) => {
+            DeValue::Array(list.into_iter().map(|element| shifted(element, by)).collect())
+        }
+        DeValue::Table(table) => {
+            let entry = |(key, value): (Spanned<_>, _)| {
+                (Spanned::new(later(key.span()), key.into_inner()), shifted(value, by))
+            };
+            DeValue::Table(table.into_iter().map(entry).collect())
+        }
+        plain => plain,
+    };
+    Spanned::new(span, value)
+}

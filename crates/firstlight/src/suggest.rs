@@ -1,0 +1,62 @@
+//! "Did you mean": the known word nearest to what was typed.
+
+/// Longer words are not compared: nobody mistypes them, and the comparison costs their product.
+const LONGEST_WORD: usize = 64;
+
+/// The candidate most like `word`, if one is near enough to be meant.
+pub(crate) fn nearest<'a>(
+    word: &str,
+    candidates: impl IntoIterator<Item = &'a str>,
+) -> Option<&'a str> {
+    if word.len() > LONGEST_WORD {
+        return None;
+    }
+    let word = word.to_lowercase();
+    let allowed = (word.chars().count() / 3).clamp(1, 3);
+    candidates
+        .into_iter()
+        .filter(|candidate| candidate.len() <= LONGEST_WORD)
+        .map(|candidate| (strsim::damerau_levenshtein(&word, &candidate.to_lowercase()), candidate))
+        .filter(|(distance, _)| *distance <= allowed)
+        .min_by_key(|(distance, _)| *distance)
+        .map(|(_, candidate)| candidate)
+}
+
+/// `; did you mean "candidate"?`, or nothing if no candidate is near.
+pub(crate) fn did_you_mean<'a>(
+    word: &str,
+    candidates: impl IntoIterator<Item = &'a str>,
+) -> String {
+    nearest(word, candidates).map_or_else(String::new, |near| format!("; did you mean \"{near}\"?"))
+}
+
+/// Text from a file in quotation marks: control characters made visible, long text cut.
+pub(crate) fn quoted(text: &str) -> String {
+    const LONGEST: usize = 80;
+    let shown: String = text.chars().take(LONGEST).collect();
+    let more = if shown.len() < text.len() { "…" } else { "" };
+    let visible: String =
+        shown.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect();
+    format!("\"{visible}{more}\"")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn finds_a_misspelling_but_not_another_word() {
+        let known = ["color", "position", "power"];
+        assert_eq!(nearest("colour", known), Some("color"));
+        assert_eq!(nearest("psoition", known), Some("position"));
+        assert_eq!(nearest("Power", known), Some("power"));
+        assert_eq!(nearest("radiance", known), None);
+        assert_eq!(nearest(&"x".repeat(1 << 20), known), None);
+    }
+
+    #[test]
+    fn quotes_without_letting_control_characters_through() {
+        assert_eq!(quoted("a\u{1b}[31m"), "\"a\u{fffd}[31m\"");
+        assert!(quoted(&"é".repeat(1000)).ends_with("…\""));
+    }
+}
