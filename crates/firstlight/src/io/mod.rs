@@ -4,7 +4,12 @@
 //! loading are collected ([`Warnings`]).
 
 mod access;
+mod pictures;
 pub mod pixels;
+pub mod ply;
+pub mod stl;
+mod text;
+mod triangles;
 
 pub use access::{FileAccess, Limits};
 
