@@ -4,6 +4,7 @@
 //! loading are collected ([`Warnings`]).
 
 mod access;
+pub mod obj;
 mod pictures;
 pub mod pixels;
 pub mod ply;

@@ -19,9 +19,8 @@ pub(super) const MOST_MATERIALS: usize = 1 << 16;
 const NONE: u32 = u32::MAX;
 
 /// Words that start lines without meaning for the picture.
-const SILENT: [&[u8]; 11] = [
-    b"o", b"g", b"mg", b"lod", b"bevel", b"c_interp", b"d_interp", b"vp", b"v", b"vt", b"vn",
-];
+const SILENT: [&[u8]; 11] =
+    [b"o", b"g", b"mg", b"lod", b"bevel", b"c_interp", b"d_interp", b"vp", b"v", b"vt", b"vn"];
 /// A corner of a face: numbers of its position, texture coordinates and normal, from 0.
 type Corner = [u32; 3];
 
@@ -215,7 +214,10 @@ impl Tallies {
             format!("{} with normals without direction: shown flat", counted(count, "face"))
         });
         self.lines.warn(warnings, |count| {
-            format!("{} of lines or points skipped: only faces are shown", counted(count, "element"))
+            format!(
+                "{} of lines or points skipped: only faces are shown",
+                counted(count, "element")
+            )
         });
         self.unknown.warn(warnings, |count| {
             format!("{} with an unknown keyword skipped", counted(count, "line"))
@@ -254,7 +256,11 @@ impl Part {
             positions: self.pick(&vertices.positions, 0),
             normals: if smooth { self.pick(&vertices.normals, 2) } else { Vec::new() },
             uvs: uvs.into_iter().collect(),
-            colors: if vertices.colors.is_empty() { vec![] } else { self.pick(&vertices.colors, 0) },
+            colors: if vertices.colors.is_empty() {
+                vec![]
+            } else {
+                self.pick(&vertices.colors, 0)
+            },
             triangles: self.triangles,
         }
     }

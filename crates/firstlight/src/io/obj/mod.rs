@@ -34,9 +34,9 @@ pub fn read(
     let vertices = Vertices::read(bytes, name, warnings)?;
     let colored = !vertices.colors.is_empty();
     let faces = Faces::read(bytes, name, vertices, warnings)?;
-    let library = Library::open(faces.libraries(), name, access, warnings)?;
+    let library = Library::open(&faces.libraries, access, warnings)?;
     let mut scene = SceneDescription::default();
-    let used = faces.add_surfaces(&mut scene, warnings);
+    let used = faces.add_surfaces(&mut scene);
     material::add_materials(&mut scene, &used, &library, colored, access, warnings);
     not_empty(scene, name)
 }

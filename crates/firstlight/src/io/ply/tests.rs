@@ -115,7 +115,7 @@ fn wrong_values_are_named() {
     let word = error(&SQUARE.replace("1 1 0", "1 one 0"));
     assert!(word.starts_with("x.ply:13: vertex 2 of 4: cannot read \"one\" as a number"), "{word}");
     let early = error(SQUARE.trim_end().strip_suffix(" 3").unwrap());
-    assert!(early.contains("face 0 of 1: the file ends too early"), "{early}");
+    assert!(early.contains("face 0 of 1: list \"vertex_indices\" of length 4, but"), "{early}");
 }
 
 #[test]
