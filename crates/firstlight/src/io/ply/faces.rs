@@ -45,6 +45,7 @@ impl<'a> Faces<'a> {
             self.read_row(values, element, &mut face).map_err(|cause| {
                 values.complain(self.name, format!("face {number} of {}: {cause}", element.count))
             })?;
+            values.end_row(self.name);
             points.clear();
             points.extend(face.corners.iter().filter_map(|&i| self.mesh.positions.get(i as usize)));
             let triangles = self.triangulator.split(&points);
@@ -127,6 +128,7 @@ impl<'a> Faces<'a> {
                     values.complain(self.name, format!("triangle strip {number}: {cause}"))
                 })?;
             }
+            values.end_row(self.name);
         }
         Ok(())
     }

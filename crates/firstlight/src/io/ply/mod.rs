@@ -74,6 +74,7 @@ fn read_body<V: Values>(
             _ => skip(&mut values, element, name)?,
         }
     }
+    values.warn(warnings);
     warn_dropped(std::mem::take(&mut faces.dropped), warnings);
     let mut mesh = without_unused(faces.finish()?, name)?;
     fill_normals(&mut mesh, name, warnings);
@@ -121,6 +122,7 @@ fn skip<V: Values>(values: &mut V, element: &Element, name: &str) -> Result<()> 
                 values.complain(name, format!("row {number} of \"{}\": {cause}", element.name))
             })?;
         }
+        values.end_row(name);
     }
     Ok(())
 }

@@ -175,3 +175,16 @@ fn faces_with_their_own_coordinates_split_vertices() {
     let pattern = &scene.materials[0].reflectance.pattern;
     assert!(matches!(pattern, crate::scene::description::Pattern::Checker { .. }));
 }
+
+#[test]
+fn surplus_values_in_a_line_are_ignored_with_a_warning() {
+    let text = SQUARE.replace("1 0 0\n", "1 0 0 7 8\n").replace("0 1 2 3\n", "0 1 2 3 255\n");
+    let (scene, warnings) = load(text.as_bytes());
+    assert_eq!(scene.unwrap().meshes[0].triangles.len(), 2);
+    assert_eq!(warnings.len(), 1);
+    assert!(
+        warnings[0].to_string().starts_with("x.ply:12: 2 lines with more values"),
+        "{}",
+        warnings[0]
+    );
+}

@@ -2,7 +2,8 @@
 
 use super::header::{Header, Property, Scalar};
 use crate::diagnostic::{Diagnostic, Place};
-use crate::io::text::{Parsed, float, part_of, quoted};
+use crate::io::Warnings;
+use crate::io::text::{Parsed, Tally, counted, float, part_of, quoted};
 
 /// Reads one value after the other; every type fits an `f64` without loss.
 pub(super) trait Values {
@@ -43,6 +44,12 @@ pub(super) trait Values {
         Ok(())
     }
 
+    /// Goes to where the next row starts.
+    fn end_row(&mut self, name: &str);
+
+    /// Warns about what was passed over.
+    fn warn(self, _warnings: &mut Warnings);
+
     /// A complaint about the value that comes next.
     fn complain(&self, name: &str, message: String) -> Box<Diagnostic> {
         Box::new(Diagnostic { message, place: self.place(name), help: None })
@@ -51,16 +58,17 @@ pub(super) trait Values {
 
 const END: &str = "the file ends too early";
 
-/// Values written as words.
+/// Values written as words, a line for every row.
 #[derive(Debug)]
 pub(super) struct Words<'a> {
     rest: &'a [u8],
     line: usize,
+    surplus: Tally,
 }
 
 impl<'a> Words<'a> {
     pub(super) fn new(header: &Header<'a>) -> Self {
-        Self { rest: header.body, line: header.lines + 1 }
+        Self { rest: header.body, line: header.lines + 1, surplus: Tally::default() }
     }
 }
 
@@ -89,6 +97,26 @@ impl Values for Words<'_> {
 
     fn place(&self, name: &str) -> Place {
         Place { file: name.into(), line: Some(self.line), ..Place::default() }
+    }
+
+    /// Some programs write more values in a line than their header announces.
+    fn end_row(&mut self, name: &str) {
+        let length = self.rest.iter().take_while(|byte| !matches!(byte, b'\n' | b'\r')).count();
+        let (surplus, rest) = self.rest.split_at_checked(length).unwrap_or_default();
+        if !surplus.trim_ascii().is_empty() {
+            let place = self.place(name);
+            self.surplus.add(|| place);
+        }
+        self.rest = rest;
+    }
+
+    fn warn(self, warnings: &mut Warnings) {
+        self.surplus.warn(warnings, |count| {
+            format!(
+                "{} with more values than the header says: the rest ignored",
+                counted(count, "line")
+            )
+        });
     }
 }
 
@@ -149,6 +177,10 @@ impl<const BIG: bool> Values for Binary<'_, BIG> {
     fn left(&self) -> u64 {
         self.rest.len() as u64
     }
+
+    fn end_row(&mut self, _name: &str) {}
+
+    fn warn(self, _warnings: &mut Warnings) {}
 
     fn place(&self, name: &str) -> Place {
         part_of(name, format!("byte {}", self.length - self.rest.len()))

@@ -110,6 +110,7 @@ pub(super) fn read<V: Values>(
         let row = layout.read_row(values).map_err(|cause| {
             values.complain(name, format!("vertex {number} of {}: {cause}", element.count))
         })?;
+        values.end_row(name);
         let place = || part_of(name, format!("vertex {number}"));
         let [x, y, z, nx, ny, nz, u, v, r, g, b, a, _] = row;
         mesh.positions.push(Vec3::new(x as f32, y as f32, z as f32));
