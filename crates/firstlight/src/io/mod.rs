@@ -4,6 +4,7 @@
 //! loading are collected ([`Warnings`]).
 
 mod access;
+pub mod gltf;
 pub mod pixels;
 
 pub use access::{FileAccess, Limits};
