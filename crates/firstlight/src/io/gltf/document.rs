@@ -448,7 +448,7 @@ mod tests {
     #[test]
     fn broken_json_is_named_with_line_and_column() {
         let text = complaint("{\"asset\": {\"version\": \"2.0\"},\n \"nodes\": [{\"mesh\": -1}]}");
-        assert_eq!(text, "m.gltf:2:24: invalid value: integer `-1`, expected u32");
+        assert_eq!(text, "m.gltf:2:22: invalid value: integer `-1`, expected u32");
         assert!(complaint("{\"scene\": 1e99999}").starts_with("m.gltf:1:"));
         assert!(complaint("nonsense").starts_with("m.gltf:1:"));
     }

@@ -29,9 +29,9 @@ impl Mode {
 
 /// Every second triangle of a strip is turned; those that only join two strips are left out.
 fn strip(corners: &[u32]) -> Vec<[u32; 3]> {
-    let turned = |(i, corners): (usize, &[u32])| match corners {
-        &[a, b, c] if i % 2 == 0 => Some([a, b, c]),
-        &[a, b, c] => Some([a, c, b]),
+    let turned = |(i, corners): (usize, &[u32])| match *corners {
+        [a, b, c] if i % 2 == 0 => Some([a, b, c]),
+        [a, b, c] => Some([a, c, b]),
         _ => None,
     };
     let proper = |[a, b, c]: &[u32; 3]| a != b && b != c && c != a;
@@ -40,8 +40,8 @@ fn strip(corners: &[u32]) -> Vec<[u32; 3]> {
 
 fn fan(corners: &[u32]) -> Vec<[u32; 3]> {
     let Some((&first, rest)) = corners.split_first() else { return Vec::new() };
-    let triangle = |pair: &[u32]| match pair {
-        &[a, b] => Some([a, b, first]),
+    let triangle = |pair: &[u32]| match *pair {
+        [a, b] => Some([a, b, first]),
         _ => None,
     };
     rest.windows(2).filter_map(triangle).collect()

@@ -20,6 +20,8 @@ mod meshopt;
 mod nodes;
 mod notes;
 mod picture;
+#[cfg(test)]
+mod tests;
 mod uri;
 mod view;
 

@@ -30,14 +30,14 @@ pub(super) fn place<'a>(data: &Data<'a>) -> Result<Vec<Placed<'a>>> {
     // Depth first without recursion: the depth of the tree is the file's choice.
     while let Some((index, parent, above)) = open.pop() {
         let node = data.at(nodes, index, "node", &parent.part())?;
-        if let Some(slot) = parents.get_mut(index as usize) {
-            if let Some(first) = slot.replace(parent) {
-                let cause = format!(
-                    "node {index} is reached again, first from {}; a node must have one parent",
-                    first.part()
-                );
-                return Err(data.error(parent.part(), cause));
-            }
+        if let Some(slot) = parents.get_mut(index as usize)
+            && let Some(first) = slot.replace(parent)
+        {
+            let cause = format!(
+                "node {index} is reached again, first from {}; a node must have one parent",
+                first.part()
+            );
+            return Err(data.error(parent.part(), cause));
         }
         let transform = above * local(data, node, index)?;
         if !transform.is_finite() {

@@ -34,15 +34,17 @@ impl<'a> Notes<'a> {
         count: usize,
     ) {
         if count > 0 {
-            let new = || Note { part: part.into(), help: None, count: 0 };
-            self.entries.entry(message.into()).or_insert_with(new).count += count;
+            self.note(part.into(), message.into(), None).count += count;
         }
     }
 
-    /// Notes a complaint that someone else made, as one about `part`.
-    pub(super) fn add_foreign(&mut self, part: String, message: String, help: Option<String>) {
-        let new = || Note { part, help, count: 0 };
-        self.entries.entry(message).or_insert_with(new).count += 1;
+    /// Notes a complaint that came with advice.
+    pub(super) fn add_with_help(&mut self, part: String, message: String, help: Option<String>) {
+        self.note(part, message, help).count += 1;
+    }
+
+    fn note(&mut self, part: String, message: String, help: Option<String>) -> &mut Note {
+        self.entries.entry(message).or_insert(Note { part, help, count: 0 })
     }
 
     pub(super) fn finish(self, warnings: &mut Warnings) {

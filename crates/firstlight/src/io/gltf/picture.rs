@@ -74,7 +74,7 @@ impl Pictures {
                     Some(name) => format!("{name}: {}; a checkerboard is shown", cause.message),
                     None => format!("{}; a checkerboard is shown", cause.message),
                 };
-                notes.add_foreign(part, message, cause.help);
+                notes.add_with_help(part, message, cause.help);
                 None
             }
         }

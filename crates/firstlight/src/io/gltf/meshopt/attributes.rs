@@ -176,6 +176,6 @@ mod tests {
         assert!(decode(&[0xa0; 64], usize::MAX, 4).unwrap_err().contains("too early"));
         assert!(decode(&[0xa0; 64], 3, 3).unwrap_err().contains("byteStride is 3"));
         assert!(decode(&[0xa0; 8], 3, 4).unwrap_err().contains("too early"));
-        assert!(decode(&version_0([0; 4], &[0, 5]), 3, 4).unwrap_err().contains("left over"));
+        assert!(decode(&version_0([0; 4], &[0, 0]), 3, 4).unwrap_err().contains("left over"));
     }
 }
