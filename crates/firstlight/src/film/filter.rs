@@ -109,17 +109,30 @@ mod tests {
     /// Moments of the placed, signed samples against integrals of the filter's formula.
     #[test]
     fn placed_samples_have_the_moments_of_the_filter() {
+        let mitchell = Filter::Mitchell { radius: 2.0, b: 1.0 / 3.0, c: 1.0 / 3.0 };
         let filters = [
-            (Filter::Box { radius: 0.5 }, 1.0 / 12.0),
-            (Filter::Tent { radius: 1.0 }, 1.0 / 6.0),
-            (Filter::Gaussian { radius: 4.0, sigma: 0.5 }, 0.25),
+            Filter::Box { radius: 0.5 },
+            Filter::Tent { radius: 1.0 },
+            Filter::default(),
+            mitchell,
         ];
-        for (filter, variance) in filters {
+        for filter in filters {
+            let places = (0..100_000).map(|i| (f64::from(i) / 50_000.0 - 1.0) * radius(&filter));
+            let integral = |power| {
+                places.clone().map(|x| value(&filter, x) * f64::powi(x, power)).sum::<f64>()
+            };
+            let variance = integral(2) / integral(0);
             let sampler = FilterSampler::new(&filter, 64);
             let n = 100_000;
-            let places = (0..n).map(|i| sampler.place(Vec2::new((i as f32 + 0.5) / n as f32, 0.3)));
-            let sum: f64 = places.map(|(p, w)| f64::from(w) * f64::from(p.x).powi(2)).sum();
-            assert!((sum / f64::from(n) / variance - 1.0).abs() < 1e-3, "{filter:?}");
+            let samples = (0..n).map(|i| Vec2::new((i as f32 + 0.5) / n as f32, 0.5));
+            let places = samples.map(|sample| sampler.place(sample));
+            let moment =
+                |power| places.clone().map(|(p, w)| f64::from(w * p.x.powi(power))).sum::<f64>();
+            let sampled = moment(2) / moment(0);
+            assert!(
+                (sampled - variance).abs() < 1e-3 * radius(&filter),
+                "{filter:?}: {sampled} {variance}"
+            );
         }
     }
 
