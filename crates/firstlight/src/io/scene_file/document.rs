@@ -57,6 +57,7 @@ impl<'a> Document<'a> {
             let span = error.span().unwrap_or_default();
             let path = self.path(&span);
             let (message, help) = complaint::reword(error.message(), &path);
+            let help = help.or_else(|| self.meant(&span));
             Box::new(Diagnostic { message, place: self.place(&span), help })
         })
     }
@@ -80,7 +81,7 @@ impl<'a> Document<'a> {
     fn tree(&self) -> Result<Spanned<DeValue<'a>>> {
         let table = DeTable::parse(self.text).map_err(|error| {
             let place = self.place(&error.span().unwrap_or_default());
-            let help = complaint::syntax_help(&place);
+            let help = complaint::syntax_help(error.message());
             Diagnostic { message: error.message().to_owned(), place, help }
         })?;
         let mut tree = Spanned::new(table.span(), DeValue::Table(table.into_inner()));
@@ -104,16 +105,29 @@ impl<'a> Document<'a> {
 
     /// The file and line, or the override, that `span` lies in.
     fn place(&self, span: &Span) -> Place {
-        let Some(mut offset) = span.start.checked_sub(self.text.len() + 1) else {
-            return place_in_text(self.name, self.text, span);
-        };
+        match self.overriding(span) {
+            Some(over) => over.place(),
+            None => place_in_text(self.name, self.text, span),
+        }
+    }
+
+    /// The override that `span` lies in, if it is beyond the text.
+    fn overriding(&self, span: &Span) -> Option<&'a Override> {
+        let mut offset = span.start.checked_sub(self.text.len() + 1)?;
         for over in self.overrides {
             if offset <= over.text.len() {
-                return over.place();
+                return Some(over);
             }
             offset -= over.text.len() + 1;
         }
-        Place { file: self.name.into(), ..Place::default() }
+        None
+    }
+
+    /// What an override may have meant that made a new, incomplete thing beside a similar one.
+    fn meant(&self, span: &Span) -> Option<String> {
+        let over = self.overriding(span)?;
+        let tree = Document { overrides: &[], ..*self }.tree().ok()?;
+        over.meant(tree.get_ref())
     }
 }
 
