@@ -38,6 +38,18 @@ impl Path {
         path
     }
 
+    /// The path up to a list of tables, if a key inside one is unknown: `[[...]]` is nowhere right here.
+    fn table_in_list(&self, message: &str) -> Option<Self> {
+        match self.0.as_slice() {
+            [list @ .., PathStep::Index(_), PathStep::Key(_)]
+                if message.starts_with("unknown field") && list.len() <= 2 =>
+            {
+                Some(Self(list.to_vec()))
+            }
+            _ => None,
+        }
+    }
+
     /// A table that shows how a thing of this kind is written.
     fn example(&self) -> Option<String> {
         let kind = match self.0.first()? {
@@ -78,6 +90,9 @@ impl fmt::Display for Path {
 /// Messages of our own types are predicates ("must be greater than 0, not -1") and get `path` as their subject.
 pub(super) fn reword(message: &str, path: &Path) -> (String, Option<String>) {
     let plain = |text: String| (text, None);
+    if let Some(table) = path.table_in_list(message) {
+        return (format!("{table} is written [[{table}]]"), Some(format!("write [{table}], once")));
+    }
     if let Some(rest) = message.strip_prefix("unknown field ") {
         let (name, known) = names(rest);
         let hint = did_you_mean(name, known.iter().copied());
@@ -118,9 +133,7 @@ pub(super) fn reword(message: &str, path: &Path) -> (String, Option<String>) {
 
 /// A way out of the syntax error that scenes invite most: text without quotation marks.
 pub(super) fn syntax_help(message: &str) -> Option<String> {
-    let unquoted = message.starts_with("string values must be quoted")
-        || message.starts_with("invalid mantissa")
-        || message.contains("number");
+    let unquoted = message.starts_with("string values must be quoted");
     unquoted.then(|| "what has a unit is text, in quotation marks: \"60 W\"".to_owned())
 }
 

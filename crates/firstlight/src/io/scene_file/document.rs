@@ -3,6 +3,7 @@
 use super::complaint::{self, Path, PathStep};
 use super::overrides::Override;
 use crate::diagnostic::{Diagnostic, Place, Result};
+use indexmap::IndexMap;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::{Deserialize, DeserializeOwned, Deserializer};
 use serde_spanned::Spanned;
@@ -40,6 +41,15 @@ impl<T: JsonSchema> JsonSchema for At<T> {
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
         T::json_schema(generator)
     }
+}
+
+/// Things by their names.
+pub(super) type Named<T> = IndexMap<String, At<T>>;
+
+/// The things in the order of the text, overrides last; TOML tables come in the order of names.
+pub(super) fn in_order<T>(mut things: Named<T>) -> impl Iterator<Item = (String, At<T>)> {
+    things.sort_by(|_, a, _, b| a.span.start.cmp(&b.span.start));
+    things.into_iter()
 }
 
 /// The text of a scene, its name and what is laid over it.
@@ -134,8 +144,9 @@ impl<'a> Document<'a> {
 /// The line and column of a range of bytes, and the line itself unless it is too long to show.
 pub(super) fn place_in_text(name: &str, text: &str, span: &Span) -> Place {
     const LONGEST_SHOWN: usize = 200;
-    let start = text.floor_char_boundary(span.start);
-    let end = text.floor_char_boundary(span.end.max(start));
+    let boundary = |at: usize| (0..=at.min(text.len())).rev().find(|&i| text.is_char_boundary(i));
+    let start = boundary(span.start).unwrap_or(0);
+    let end = boundary(span.end).unwrap_or(start).max(start);
     let (before, after) = text.split_at(start);
     let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
     let line_end = start + after.find('\n').unwrap_or(after.len());

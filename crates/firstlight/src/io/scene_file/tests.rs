@@ -215,6 +215,12 @@ fn every_complaint_has_its_line_its_path_and_a_hint() {
          did you mean \"blue\"?"
     );
     assert_eq!(
+        complaint("[[surfaces.ball]]\nmaterial = 'red'"),
+        "scene.toml:2:1: surfaces.ball is written [[surfaces.ball]]"
+    );
+    let unquoted = scene_with("[lights.key.point]\npower = 60W", &[]).unwrap_err().to_string();
+    assert!(unquoted.ends_with("in quotation marks: \"60 W\""), "{unquoted}");
+    assert_eq!(
         complaint("film.samples = 1.5"),
         "scene.toml:1:16: film.samples needs a whole number, not floating point 1.5"
     );
@@ -222,6 +228,13 @@ fn every_complaint_has_its_line_its_path_and_a_hint() {
         complaint("surfaces.a = { sphere = {}, transform = [{ scale = 1 }, { scale = 0 }] }"),
         "scene.toml:1:67: surfaces.a.transform[1].scale must not be 0: nothing would be left"
     );
+}
+
+#[test]
+fn things_come_in_the_order_of_the_text() {
+    let scene = scene("[surfaces]\nz.sphere = {}\na.sphere = {}\n[surfaces.m.sphere]");
+    let names: Vec<_> = scene.surfaces.iter().map(|surface| surface.name.as_str()).collect();
+    assert_eq!(names, ["z", "a", "m"]);
 }
 
 #[test]
@@ -358,6 +371,14 @@ fn depth_and_length_neither_overflow_nor_hang() {
     assert!(scene_with(&format!("[{}a]", "a.".repeat(100_000)), &[]).is_err());
     assert!(scene_with("", &[&format!("{}a=1", "a.".repeat(100_000))]).is_err());
     assert!(scene_with("", &[&deep("[")]).is_err());
+    let reopened: String = (0..20_000)
+        .map(|i| format!("[surfaces.s{i}.sphere]\n"))
+        .chain((0..20_000).map(|i| format!("[surfaces.s{i}]\n")))
+        .collect();
+    assert_eq!(scene(&reopened).surfaces.len(), 20_000);
+    for bulky in [" ".repeat(1 << 24), format!("{}a = 1\n", "a.".repeat(70)).repeat(20_000)] {
+        assert!(complaint(&bulky).ends_with("1024 MiB are allowed"));
+    }
     let long = scene_with(&format!("film.samples = '{}'", "x".repeat(1 << 22)), &[]).unwrap_err();
     assert!(long.to_string().len() < 1000, "{}", long.to_string().len());
     let long = scene_with(&format!("{} = 1", "x".repeat(1 << 22)), &[]).unwrap_err();
