@@ -1,7 +1,7 @@
 //! The scene format: TOML with a table for each thing, `[kind.name.type]`. See docs/scene-format.md.
 //!
 //! What is written is deserialised into the `...Keys` structs of the submodules, which check every value as it is
-//! read, so that each error has its place; [`build`] then turns names into indices. The JSON schema comes from the
+//! read, so that each error has its place; `build` then turns names into indices. The JSON schema comes from the
 //! same structs.
 
 mod build;
