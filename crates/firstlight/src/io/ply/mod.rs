@@ -11,9 +11,7 @@ mod vertices;
 
 use super::pictures::Pictures;
 use super::text::counted;
-use super::triangles::{
-    add_surface, default_material, fill_normals, not_empty, warn_dropped, without_unused,
-};
+use super::triangles::{add_surface, default_material, fill_normals, not_empty, without_unused};
 use super::{FileAccess, Warnings};
 use crate::color::Rgb;
 use crate::diagnostic::{Diagnostic, Place, Result};
@@ -75,7 +73,7 @@ fn read_body<V: Values>(
         }
     }
     values.warn(warnings);
-    warn_dropped(std::mem::take(&mut faces.dropped), warnings);
+    faces.triangulator.warn(warnings);
     let mut mesh = without_unused(faces.finish()?, name)?;
     fill_normals(&mut mesh, name, warnings);
     Ok(mesh)
