@@ -144,8 +144,11 @@ pub(super) fn did_you_mean<'a>(
     names: impl IntoIterator<Item = &'a str>,
 ) -> Option<String> {
     let word: String = word.chars().take(64).collect();
-    let close =
-        names.into_iter().take(10_000).map(|name| (strsim::damerau_levenshtein(&word, name), name));
+    let close = names
+        .into_iter()
+        .filter(|name| name.len() <= 64)
+        .take(10_000)
+        .map(|name| (strsim::damerau_levenshtein(&word, name), name));
     let (distance, name) = close.min_by_key(|(distance, _)| *distance)?;
     (distance <= 2 && distance < word.chars().count()).then(|| format!("did you mean \"{name}\"?"))
 }

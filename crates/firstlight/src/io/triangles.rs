@@ -67,11 +67,15 @@ impl Triangulator {
     /// Tells whether the triangles are known to be right.
     fn cut(&mut self) -> bool {
         let count = self.corners.len();
+        if count == 3 {
+            self.triangles.push([0, 1, 2]);
+            return true;
+        }
         let normal: DVec3 = fan(0, count).map(|t| area_vector(&self.corners, t)).sum();
         let stays_inside = |&apex: &usize| {
             fan(apex, count).all(|t| area_vector(&self.corners, t).dot(normal) >= 0.0)
         };
-        let apex = [0, 1].into_iter().find(|apex| count == 3 || stays_inside(apex));
+        let apex = [0, 1].into_iter().find(stays_inside);
         let right = apex.is_some() || self.cut_ears(normal);
         if self.triangles.is_empty() {
             self.triangles.extend(fan(apex.unwrap_or(0), count));

@@ -95,9 +95,9 @@ impl<'a> Faces<'a> {
 
     /// The number of a vertex, checked.
     fn vertex(&self, index: f64) -> Parsed<u32> {
-        let count = self.mesh.positions.len();
-        if index >= 0.0 && index < count as f64 && index.fract() == 0.0 {
-            return Ok(index as u32);
+        let (count, number) = (self.mesh.positions.len(), index as u32);
+        if f64::from(number) == index && (number as usize) < count {
+            return Ok(number);
         }
         Err(match count.checked_sub(1) {
             Some(last) => format!("vertex {index} does not exist, only vertices 0 to {last}"),

@@ -10,7 +10,7 @@ mod values;
 mod vertices;
 
 use super::pictures::Pictures;
-use super::text::counted;
+use super::text::{counted, quoted};
 use super::triangles::{add_surface, default_material, fill_normals, not_empty, without_unused};
 use super::{FileAccess, Warnings};
 use crate::color::Rgb;
@@ -142,7 +142,7 @@ fn material(
         material.reflectance = pictures.texture(file, [1.0; 4], map, place, warnings);
         if header.textures.len() > 1 {
             let count = counted(header.textures.len(), "picture");
-            let message = format!("of {count} only the first is used, \"{file}\"");
+            let message = format!("of {count} only the first is used, {}", quoted(file.as_bytes()));
             warnings.push(Diagnostic::new(name, message));
         }
     } else if !mesh.colors.is_empty() {
