@@ -63,7 +63,7 @@ impl<'a> Faces<'a> {
         if element.properties.iter().any(is_indices) {
             return Ok(());
         }
-        let cause = format!("the rows of \"{}\" have no list \"vertex_indices\"", element.name);
+        let cause = format!("no list \"vertex_indices\" in the rows of \"{}\"", element.name);
         Err(Box::new(Diagnostic::new(self.name, cause).at_line(element.line)))
     }
 

@@ -144,7 +144,7 @@ impl<'a> Header<'a> {
             return Err(format!("more than {MOST_ELEMENTS} kinds of elements"));
         }
         if self.elements.iter().any(|element| element.name == name) {
-            return Err(format!("this element is announced twice"));
+            return Err("this element is announced twice".into());
         }
         let number = str::from_utf8(count).ok().and_then(|text| text.parse().ok());
         let count = number.ok_or_else(|| format!("{} is no count", quoted(count)))?;

@@ -105,8 +105,9 @@ fn check_room<V: Values>(values: &V, element: &Element, name: &str) -> Result<()
     if element.count.checked_mul(row).is_some_and(|bytes| bytes <= values.left()) {
         return Ok(());
     }
-    let (what, count, left) = (&element.name, element.count, values.left());
-    let rows = format!("\"{what}\" promises {count} rows of at least {row} bytes");
+    let (what, count) = (quoted(element.name.as_bytes()), element.count);
+    let left = values.left();
+    let rows = format!("{what} promises {count} rows of at least {row} bytes");
     let error = Diagnostic::new(name, format!("{rows}, but only {left} bytes are left"));
     Err(Box::new(error.at_line(element.line).help("the file was cut off or damaged on its way")))
 }
@@ -117,7 +118,10 @@ fn skip<V: Values>(values: &mut V, element: &Element, name: &str) -> Result<()> 
     for number in 0..rows {
         for property in &element.properties {
             values.skip(property).map_err(|cause| {
-                values.complain(name, format!("row {number} of \"{}\": {cause}", element.name))
+                values.complain(
+                    name,
+                    format!("row {number} of {}: {cause}", quoted(element.name.as_bytes())),
+                )
             })?;
         }
         values.end_row(name);

@@ -30,8 +30,8 @@ pub(super) trait Values {
         let length = self.next(kind)?;
         let most = self.left() / Self::least_size(property.value).max(1);
         if length as u64 as f64 != length || length as u64 > most {
-            let (name, left) = (&property.name, self.left());
-            return Err(format!("list \"{name}\" of length {length}, but {left} bytes follow"));
+            let (name, left) = (quoted(property.name.as_bytes()), self.left());
+            return Err(format!("list {name} of length {length}, but {left} bytes follow"));
         }
         Ok(length as usize)
     }
