@@ -1,5 +1,6 @@
 //! The pictures that model files name: opened once each, with a stand-in for those that cannot be used.
 
+use super::text::quoted;
 use super::{FileAccess, Warnings, pixels};
 use crate::diagnostic::{Diagnostic, Place, Result};
 use crate::scene::description::{Pattern, Pixels, Sampling, Texels, Texture, UvTransform, Wrap};
@@ -60,7 +61,11 @@ impl<'a> Pictures<'a> {
                 Some(self.images.len() - 1)
             }
             Err(error) => {
-                let message = format!("cannot use the picture \"{file}\": {}", error.message);
+                let message = format!(
+                    "cannot use the picture {}: {}",
+                    quoted(file.as_bytes()),
+                    error.message
+                );
                 let help = Some("magenta and black squares stand in for it".into());
                 warnings.push(Diagnostic { message, place, help });
                 None

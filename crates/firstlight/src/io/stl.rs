@@ -3,9 +3,7 @@
 //! Own code, because stl_io 0.11 names neither line nor byte in its errors.
 
 use super::text::{Line, Lines, Tally, counted, floats, part_of, quoted, without_mark};
-use super::triangles::{
-    Triangulator, add_surface, default_material, not_empty, vertex_number, warn_dropped,
-};
+use super::triangles::{Triangulator, add_surface, default_material, not_empty, vertex_number};
 use super::{FileAccess, Warnings};
 use crate::diagnostic::{Diagnostic, Place, Result};
 use crate::scene::description::{Mesh, SceneDescription};
@@ -16,6 +14,9 @@ use indexmap::IndexSet;
 const HEADER: usize = 84;
 /// Bytes of a binary facet: normal, three corners, two bytes that mean nothing.
 const FACET: usize = 50;
+
+/// More solids than this in one file are joined.
+const MOST_SOLIDS: usize = 1 << 14;
 
 /// Reads an STL file: one flat shaded surface per solid, corners at the same position joined.
 ///
@@ -111,7 +112,7 @@ fn read_text(bytes: &[u8], solids: &mut Solids<'_>, warnings: &mut Warnings) -> 
                 solids.add(facet, || line.place(name))?;
                 corners.clear();
             }
-            b"solid" => solids.start(line.after_keyword()),
+            b"solid" => solids.start(line.after_keyword(), || line.place(name)),
             b"endsolid" => ended = true,
             b"facet" | b"outer" | b"endfacet" => {}
             _ => return Err(fail(format!("{} is no word of the STL format", quoted(keyword)))),
@@ -132,7 +133,7 @@ fn read_text(bytes: &[u8], solids: &mut Solids<'_>, warnings: &mut Warnings) -> 
 struct Solids<'a> {
     file: &'a str,
     triangulator: Triangulator,
-    dropped: Tally,
+    joined: Tally,
     scene: SceneDescription,
     current: Solid,
 }
@@ -150,14 +151,23 @@ impl<'a> Solids<'a> {
         Self {
             file,
             triangulator: Triangulator::default(),
-            dropped: Tally::default(),
+            joined: Tally::default(),
             scene: SceneDescription::default(),
             current: Solid::default(),
         }
     }
 
     /// What follows belongs to a solid called `name`.
-    fn start(&mut self, name: String) {
+    fn start(&mut self, name: String, place: impl FnOnce() -> Place) {
+        if self.scene.surfaces.len() == MOST_SOLIDS {
+            self.joined.add(place);
+            return;
+        }
+        self.end(name);
+    }
+
+    /// Adds the current solid to the scene if it has triangles; the next is called `name`.
+    fn end(&mut self, name: String) {
         let solid = std::mem::replace(&mut self.current, Solid { name, ..Solid::default() });
         if !solid.triangles.is_empty() {
             add_surface(&mut self.scene, solid.into_mesh(), 0);
@@ -166,8 +176,7 @@ impl<'a> Solids<'a> {
 
     /// Adds a facet to the current solid if it has an area.
     fn add(&mut self, corners: [Vec3; 3], place: impl FnOnce() -> Place) -> Result<()> {
-        if self.triangulator.split(&corners).is_empty() {
-            self.dropped.add(place);
+        if self.triangulator.split(&corners, place).is_empty() {
             return Ok(());
         }
         let mut triangle = [0; 3];
@@ -181,8 +190,11 @@ impl<'a> Solids<'a> {
     }
 
     fn finish(mut self, warnings: &mut Warnings) -> Result<SceneDescription> {
-        self.start(String::new());
-        warn_dropped(self.dropped, warnings);
+        self.end(String::new());
+        self.triangulator.warn(warnings);
+        self.joined.warn(warnings, |count| {
+            format!("{} after the first {MOST_SOLIDS} joined into one", counted(count, "solid"))
+        });
         self.scene.materials.push(default_material());
         not_empty(self.scene, self.file)
     }

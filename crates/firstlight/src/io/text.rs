@@ -144,8 +144,11 @@ pub(super) fn did_you_mean<'a>(
     names: impl IntoIterator<Item = &'a str>,
 ) -> Option<String> {
     let word: String = word.chars().take(64).collect();
-    let close =
-        names.into_iter().take(10_000).map(|name| (strsim::damerau_levenshtein(&word, name), name));
+    let close = names
+        .into_iter()
+        .filter(|name| name.len() <= 64)
+        .take(10_000)
+        .map(|name| (strsim::damerau_levenshtein(&word, name), name));
     let (distance, name) = close.min_by_key(|(distance, _)| *distance)?;
     (distance <= 2 && distance < word.chars().count()).then(|| format!("did you mean \"{name}\"?"))
 }
@@ -205,5 +208,54 @@ impl Tally {
             let message = message(self.count);
             warnings.push(Diagnostic { message, place: self.first, help: None });
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_end_in_three_ways_and_keep_their_numbers() {
+        let lines: Vec<_> = Lines::joined(b"a\r\nb\rc \\\n d\n\n# e \\\nf").collect();
+        let found: Vec<(usize, &[u8])> =
+            lines.iter().map(|line| (line.number, line.text)).collect();
+        let expected: [(usize, &[u8]); 6] =
+            [(1, b"a"), (2, b"b"), (3, b"c \\\n d"), (5, b""), (6, b"# e \\"), (7, b"f")];
+        assert_eq!(found, expected);
+        let words: Vec<&[u8]> = lines[2].words().collect();
+        assert_eq!(words, [b"c", b"d"]);
+    }
+
+    #[test]
+    fn numbers_of_any_program() {
+        assert_eq!(float(b"-1.5e2"), Some(-150.0));
+        assert_eq!(float(b"1e99999"), Some(f32::INFINITY));
+        assert!(float(b"-nan(ind)").is_some_and(f32::is_nan));
+        assert!(float(b"1.#QNAN").is_some_and(f32::is_nan));
+        assert_eq!([float(b""), float(b"1,5"), float(b"\xff")], [None; 3]);
+    }
+
+    #[test]
+    fn long_words_are_shortened() {
+        assert_eq!(quoted(b"a\x1b[31m"), "\"a [31m\"");
+        assert!(quoted(&[b'x'; 1000]).chars().count() < 50);
+    }
+
+    #[test]
+    fn near_names_are_found() {
+        assert_eq!(did_you_mean("Wod", ["Iron", "Wood"]).unwrap(), "did you mean \"Wood\"?");
+        assert_eq!(did_you_mean("Glass", ["Iron", "Wood"]), None);
+    }
+
+    #[test]
+    fn tallies_warn_once_at_the_first_place() {
+        let (mut tally, mut warnings) = (Tally::default(), Warnings::new());
+        for number in 3..10 {
+            tally.add_line_if(number % 2 == 0, "x", &Line { number, text: b"" });
+        }
+        tally.warn(&mut warnings, |count| counted(count, "thing"));
+        assert_eq!(warnings.len(), 1);
+        assert!(warnings[0].to_string().starts_with("x:4: 3 things"), "{}", warnings[0]);
     }
 }

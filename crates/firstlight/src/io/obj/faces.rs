@@ -5,7 +5,7 @@ use crate::diagnostic::{Place, Result};
 use crate::io::Warnings;
 use crate::io::text::{Line, Lines, Parsed, Tally, counted, quoted};
 use crate::io::triangles::{
-    Triangulator, add_surface, check_corners, unit_normal, warn_dropped, weighted_normals,
+    Triangulator, add_surface, check_corners, unit_normal, weighted_normals,
 };
 use crate::scene::description::{Mesh, SceneDescription};
 use glam::Vec3;
@@ -13,7 +13,7 @@ use indexmap::{IndexMap, IndexSet};
 use std::collections::HashMap;
 
 /// More materials than this in one file are refused.
-pub(super) const MOST_MATERIALS: usize = 1 << 16;
+pub(super) const MOST_MATERIALS: usize = 1 << 14;
 
 /// Stands for texture coordinates or a normal that a corner does not have.
 const NONE: u32 = u32::MAX;
@@ -48,7 +48,6 @@ pub(super) struct Faces<'a> {
 
 #[derive(Default)]
 struct Tallies {
-    dropped: Tally,
     odd_normals: Tally,
     lines: Tally,
     unknown: Tally,
@@ -83,6 +82,8 @@ impl<'a> Faces<'a> {
             faces.read_line(&line).map_err(|cause| complaint(&line, name, cause))?;
         }
         faces.vertices.normals.extend(faces.made.sums.iter().map(|&sum| unit_normal(sum)));
+        faces.made = MadeNormals::default();
+        faces.triangulator.warn(warnings);
         std::mem::take(&mut faces.tallies).warn(warnings);
         Ok(faces)
     }
@@ -150,8 +151,7 @@ impl<'a> Faces<'a> {
         }
         let own_normals = self.check_normals(line);
         let smooth = own_normals || self.group > 0;
-        let triangles = self.triangulator.split(&self.points);
-        self.tallies.dropped.add_line_if(triangles.is_empty(), self.name, line);
+        let triangles = self.triangulator.split(&self.points, || line.place(self.name));
         for triangle in triangles {
             let mut corners = triangle.map(|i| self.corners.get(i).copied().unwrap_or_default());
             if !own_normals && smooth {
@@ -209,7 +209,6 @@ impl<'a> Faces<'a> {
 
 impl Tallies {
     fn warn(self, warnings: &mut Warnings) {
-        warn_dropped(self.dropped, warnings);
         self.odd_normals.warn(warnings, |count| {
             format!("{} with normals without direction: shown flat", counted(count, "face"))
         });

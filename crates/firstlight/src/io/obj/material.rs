@@ -4,7 +4,7 @@ use super::mtl::{Library, Map, Mtl};
 use crate::color::Rgb;
 use crate::diagnostic::{Diagnostic, Place};
 use crate::io::pictures::Pictures;
-use crate::io::text::{Tally, counted, did_you_mean};
+use crate::io::text::{Tally, counted, did_you_mean, quoted};
 use crate::io::triangles::default_material;
 use crate::io::{FileAccess, Warnings};
 use crate::scene::description::{Alpha, Material, SceneDescription, Texture};
@@ -50,7 +50,10 @@ fn warn_undescribed(used: &IndexMap<String, Place>, library: &Library, warnings:
         0 => String::new(),
         more => format!(" and {} more", counted(more, "material")),
     };
-    let message = format!("no material file describes \"{first}\"{more}: shown in matte grey");
+    let message = format!(
+        "no material file describes {}{more}: shown in matte grey",
+        quoted(first.as_bytes())
+    );
     let help = did_you_mean(first, library.materials.keys().map(String::as_str));
     warnings.push(Diagnostic { message, place: place.clone(), help });
 }

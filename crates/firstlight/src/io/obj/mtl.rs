@@ -3,7 +3,7 @@
 use super::faces::MOST_MATERIALS;
 use crate::color::Rgb;
 use crate::diagnostic::{Diagnostic, Place, Result};
-use crate::io::text::{Line, Lines, Parsed, Tally, counted, float, floats, lossy};
+use crate::io::text::{Line, Lines, Parsed, Tally, counted, float, floats, lossy, quoted};
 use crate::io::{FileAccess, Warnings};
 use crate::scene::description::{UvTransform, Wrap};
 use glam::Vec2;
@@ -64,9 +64,9 @@ impl Library {
         for (names, place) in named.iter().take(MOST_LIBRARIES) {
             // One name with blanks, or several names.
             let whole = [names.as_str()];
-            let several: Vec<&str> = names.split_whitespace().collect();
+            let several: Vec<&str> = names.split_whitespace().take(MOST_LIBRARIES).collect();
             let files = if access.resolve(names).is_ok() { &whole } else { several.as_slice() };
-            for file in files.iter().take(MOST_LIBRARIES) {
+            for file in files {
                 let file = file.replace('\\', "/");
                 match access.read(&file) {
                     Ok(bytes) => library.read(&bytes, &file)?,
@@ -128,7 +128,8 @@ impl Library {
 }
 
 fn missing(file: &str, error: &Diagnostic, place: &Place) -> Diagnostic {
-    let message = format!("cannot use the material file \"{file}\": {}", error.message);
+    let message =
+        format!("cannot use the material file {}: {}", quoted(file.as_bytes()), error.message);
     let help = Some("its materials are shown in matte grey".into());
     Diagnostic { message, place: place.clone(), help }
 }

@@ -1,6 +1,6 @@
 //! What the faces of an OBJ file refer to: `v`, `vt` and `vn` lines.
 
-use crate::diagnostic::Result;
+use crate::diagnostic::{Diagnostic, Result};
 use crate::io::Warnings;
 use crate::io::text::{Line, Lines, Parsed, Tally, counted, float, floats, quoted};
 use glam::{Vec2, Vec3};
@@ -84,11 +84,7 @@ fn number(word: &[u8]) -> Parsed<f32> {
 }
 
 /// An error on `line`; numbers with a comma get a hint.
-pub(super) fn complaint(
-    line: &Line<'_>,
-    name: &str,
-    cause: String,
-) -> Box<crate::diagnostic::Diagnostic> {
+pub(super) fn complaint(line: &Line<'_>, name: &str, cause: String) -> Box<Diagnostic> {
     let comma = line.words().any(|word| word.contains(&b','));
     let error = line.complain(name, cause);
     Box::new(if comma { error.help("write a point in numbers, no comma") } else { error })

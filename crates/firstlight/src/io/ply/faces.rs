@@ -3,8 +3,8 @@
 use super::header::{Element, Property};
 use super::values::Values;
 use crate::diagnostic::{Diagnostic, Result};
-use crate::io::text::{Parsed, Tally, part_of};
-use crate::io::triangles::{Triangulator, check_corners, pick_vertices, vertex_number};
+use crate::io::text::{Parsed, part_of};
+use crate::io::triangles::{Triangulator, check_corners, has_area, pick_vertices, vertex_number};
 use crate::scene::description::Mesh;
 use glam::Vec2;
 use indexmap::IndexSet;
@@ -15,8 +15,7 @@ pub(super) struct Faces<'a> {
     pub(super) mesh: Mesh,
     /// Texture coordinates of each triangle's corners, if the faces have their own.
     corner_uvs: Vec<[Vec2; 3]>,
-    pub(super) dropped: Tally,
-    triangulator: Triangulator,
+    pub(super) triangulator: Triangulator,
 }
 
 /// One row: the corners of a face and their texture coordinates, one number after the other.
@@ -28,8 +27,8 @@ struct Face {
 
 impl<'a> Faces<'a> {
     pub(super) fn new(name: &'a str, mesh: Mesh) -> Self {
-        let (dropped, triangulator) = (Tally::default(), Triangulator::default());
-        Self { name, mesh, corner_uvs: Vec::new(), dropped, triangulator }
+        let triangulator = Triangulator::default();
+        Self { name, mesh, corner_uvs: Vec::new(), triangulator }
     }
 
     /// Reads the polygons of `element`.
@@ -48,10 +47,8 @@ impl<'a> Faces<'a> {
             values.end_row(self.name);
             points.clear();
             points.extend(face.corners.iter().filter_map(|&i| self.mesh.positions.get(i as usize)));
-            let triangles = self.triangulator.split(&points);
-            if triangles.is_empty() {
-                self.dropped.add(|| part_of(self.name, format!("face {number}")));
-            }
+            let place = || part_of(self.name, format!("face {number}"));
+            let triangles = self.triangulator.split(&points, place);
             for &triangle in triangles {
                 self.mesh.triangles.push(triangle.map(|corner| face.corner(corner)));
                 if with_uvs {
@@ -66,7 +63,7 @@ impl<'a> Faces<'a> {
         if element.properties.iter().any(is_indices) {
             return Ok(());
         }
-        let cause = format!("the rows of \"{}\" have no list \"vertex_indices\"", element.name);
+        let cause = format!("no list \"vertex_indices\" in the rows of \"{}\"", element.name);
         Err(Box::new(Diagnostic::new(self.name, cause).at_line(element.line)))
     }
 
@@ -98,9 +95,9 @@ impl<'a> Faces<'a> {
 
     /// The number of a vertex, checked.
     fn vertex(&self, index: f64) -> Parsed<u32> {
-        let count = self.mesh.positions.len();
-        if index >= 0.0 && index < count as f64 && index.fract() == 0.0 {
-            return Ok(index as u32);
+        let (count, number) = (self.mesh.positions.len(), index as u32);
+        if f64::from(number) == index && (number as usize) < count {
+            return Ok(number);
         }
         Err(match count.checked_sub(1) {
             Some(last) => format!("vertex {index} does not exist, only vertices 0 to {last}"),
@@ -135,7 +132,9 @@ impl<'a> Faces<'a> {
 
     fn read_strip<V: Values>(&mut self, values: &mut V, property: &Property) -> Parsed<()> {
         let (mut before, mut odd) = ([None, None], false);
-        for _ in 0..values.length(property)? {
+        let length = values.length(property)?;
+        self.mesh.triangles.reserve(length);
+        for _ in 0..length {
             let index = values.next(property.value)?;
             if index < 0.0 {
                 (before, odd) = ([None, None], false);
@@ -153,7 +152,7 @@ impl<'a> Faces<'a> {
 
     fn add_triangle(&mut self, triangle: [u32; 3]) {
         let corner = |i: u32| self.mesh.positions.get(i as usize).copied().unwrap_or_default();
-        if !self.triangulator.split(&triangle.map(corner)).is_empty() {
+        if has_area(triangle.map(corner)) {
             self.mesh.triangles.push(triangle);
         }
     }

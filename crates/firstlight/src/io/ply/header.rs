@@ -1,6 +1,6 @@
 //! The head of a PLY file: which elements follow, and what each of their rows holds.
 
-use crate::diagnostic::Result;
+use crate::diagnostic::{Diagnostic, Result};
 use crate::io::text::{Line, Lines, Parsed, did_you_mean, lossy, quoted};
 
 /// What the text before `end_header` says.
@@ -83,6 +83,9 @@ impl Scalar {
     }
 }
 
+/// More kinds of elements than this are refused.
+const MOST_ELEMENTS: usize = 256;
+
 const KEYWORDS: [&str; 6] = ["format", "comment", "obj_info", "element", "property", "end_header"];
 
 impl<'a> Header<'a> {
@@ -109,7 +112,7 @@ impl<'a> Header<'a> {
                 let word = line.words().next().map(lossy).unwrap_or_default();
                 let known = KEYWORDS.contains(&word.as_str());
                 let help = if known { None } else { did_you_mean(&word, KEYWORDS) };
-                Box::new(crate::diagnostic::Diagnostic { help, ..complaint })
+                Box::new(Diagnostic { help, ..complaint })
             })?;
             last = line;
         }
@@ -137,8 +140,11 @@ impl<'a> Header<'a> {
 
     fn add_element(&mut self, name: &[u8], count: &[u8], line: usize) -> Parsed<()> {
         let name = lossy(name);
-        if self.elements.iter().take(1000).any(|element| element.name == name) {
-            return Err(format!("element \"{name}\" is announced twice"));
+        if self.elements.len() == MOST_ELEMENTS {
+            return Err(format!("more than {MOST_ELEMENTS} kinds of elements"));
+        }
+        if self.elements.iter().any(|element| element.name == name) {
+            return Err("this element is announced twice".into());
         }
         let number = str::from_utf8(count).ok().and_then(|text| text.parse().ok());
         let count = number.ok_or_else(|| format!("{} is no count", quoted(count)))?;

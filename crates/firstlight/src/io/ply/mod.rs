@@ -10,10 +10,8 @@ mod values;
 mod vertices;
 
 use super::pictures::Pictures;
-use super::text::counted;
-use super::triangles::{
-    add_surface, default_material, fill_normals, not_empty, warn_dropped, without_unused,
-};
+use super::text::{counted, quoted};
+use super::triangles::{add_surface, default_material, fill_normals, not_empty, without_unused};
 use super::{FileAccess, Warnings};
 use crate::color::Rgb;
 use crate::diagnostic::{Diagnostic, Place, Result};
@@ -75,7 +73,7 @@ fn read_body<V: Values>(
         }
     }
     values.warn(warnings);
-    warn_dropped(std::mem::take(&mut faces.dropped), warnings);
+    faces.triangulator.warn(warnings);
     let mut mesh = without_unused(faces.finish()?, name)?;
     fill_normals(&mut mesh, name, warnings);
     Ok(mesh)
@@ -107,8 +105,9 @@ fn check_room<V: Values>(values: &V, element: &Element, name: &str) -> Result<()
     if element.count.checked_mul(row).is_some_and(|bytes| bytes <= values.left()) {
         return Ok(());
     }
-    let (what, count, left) = (&element.name, element.count, values.left());
-    let rows = format!("\"{what}\" promises {count} rows of at least {row} bytes");
+    let (what, count) = (quoted(element.name.as_bytes()), element.count);
+    let left = values.left();
+    let rows = format!("{what} promises {count} rows of at least {row} bytes");
     let error = Diagnostic::new(name, format!("{rows}, but only {left} bytes are left"));
     Err(Box::new(error.at_line(element.line).help("the file was cut off or damaged on its way")))
 }
@@ -119,7 +118,10 @@ fn skip<V: Values>(values: &mut V, element: &Element, name: &str) -> Result<()> 
     for number in 0..rows {
         for property in &element.properties {
             values.skip(property).map_err(|cause| {
-                values.complain(name, format!("row {number} of \"{}\": {cause}", element.name))
+                values.complain(
+                    name,
+                    format!("row {number} of {}: {cause}", quoted(element.name.as_bytes())),
+                )
             })?;
         }
         values.end_row(name);
@@ -144,7 +146,7 @@ fn material(
         material.reflectance = pictures.texture(file, [1.0; 4], map, place, warnings);
         if header.textures.len() > 1 {
             let count = counted(header.textures.len(), "picture");
-            let message = format!("of {count} only the first is used, \"{file}\"");
+            let message = format!("of {count} only the first is used, {}", quoted(file.as_bytes()));
             warnings.push(Diagnostic::new(name, message));
         }
     } else if !mesh.colors.is_empty() {

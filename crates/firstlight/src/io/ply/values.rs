@@ -29,9 +29,9 @@ pub(super) trait Values {
         let Some(kind) = property.length else { return Ok(1) };
         let length = self.next(kind)?;
         let most = self.left() / Self::least_size(property.value).max(1);
-        if length < 0.0 || length.fract() != 0.0 || length > most as f64 {
-            let (name, left) = (&property.name, self.left());
-            return Err(format!("list \"{name}\" of length {length}, but {left} bytes follow"));
+        if length as u64 as f64 != length || length as u64 > most {
+            let (name, left) = (quoted(property.name.as_bytes()), self.left());
+            return Err(format!("list {name} of length {length}, but {left} bytes follow"));
         }
         Ok(length as usize)
     }
