@@ -397,7 +397,7 @@ mod tests {
         for transform in [DAffine3::IDENTITY, skewed()] {
             for shape in every_shape(&transform) {
                 let mut count = 0;
-                for ray in (0..10_000).map(random_ray) {
+                for ray in (0..40_000).map(random_ray) {
                     let crossings: Vec<_> = shape.crossings(&ray).collect();
                     assert!(crossings.is_sorted_by(|a, b| a.0 <= b.0), "{:?}", shape.kind);
                     for (t, part) in crossings {
