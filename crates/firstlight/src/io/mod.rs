@@ -40,7 +40,7 @@ macro_rules! merged_later {
 }
 merged_later! { gltf obj ply stl }
 
-pub use load::load;
+pub use load::{is_scene_file, load, model_override};
 
 use crate::diagnostic::Diagnostic;
 
