@@ -10,6 +10,7 @@ use firstlight::io::Warnings;
 use firstlight::scene::bounds;
 use firstlight::scene::description::*;
 use firstlight::units::{self, Dimension, Measure};
+use glam::DVec3;
 use indicatif::HumanCount;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -202,10 +203,11 @@ fn as_text(name: &str, scene: &SceneDescription) -> String {
     let mut table = Table::default();
     table.row("scene", printable(name));
     if let Some([lower, upper]) = bounds(scene) {
-        let [x, y, z] = (upper - lower).to_array().map(|length| units::format(length, "m"));
+        let size = upper - lower;
+        let [x, y, z] = size.to_array().map(|length| units::format(length, "m"));
         table.row("size", format!("{x} × {y} × {z}"));
-        table.row("from", point(lower.to_array()));
-        table.row("to", point(upper.to_array()));
+        table.row("from", point(lower, size.max_element()));
+        table.row("to", point(upper, size.max_element()));
     }
     table.row("surfaces", count(scene.surfaces.len()));
     for (kind, number) in kinds(scene) {
@@ -226,8 +228,10 @@ fn as_text(name: &str, scene: &SceneDescription) -> String {
     table.text()
 }
 
-fn point([x, y, z]: [f64; 3]) -> String {
-    let [x, y, z] = [x, y, z].map(|value| units::format(value, "m"));
+/// A corner of a box of this size; what is only rounding is shown as 0.
+fn point(corner: DVec3, size: f64) -> String {
+    let shown = |value: f64| if value.abs() < 1e-6 * size { 0.0 } else { value };
+    let [x, y, z] = corner.to_array().map(|value| units::format(shown(value), "m"));
     format!("({x}, {y}, {z})")
 }
 

@@ -26,8 +26,8 @@ impl Output {
             check_stdout(args.json)?;
             return Ok(Self { path: None, format: format.unwrap_or(PNG) });
         }
-        let format = choose_format(&path, format)?;
         check_path(&path)?;
+        let format = choose_format(&path, format)?;
         Ok(Self { path: Some(path), format })
     }
 

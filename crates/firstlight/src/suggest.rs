@@ -30,14 +30,20 @@ pub(crate) fn did_you_mean<'a>(
     nearest(word, candidates).map_or_else(String::new, |near| format!("; did you mean \"{near}\"?"))
 }
 
-/// Text from a file in quotation marks: control characters made visible, long text cut.
+/// Text from a file in quotation marks, as [`visible`].
 pub(crate) fn quoted(text: &str) -> String {
+    format!("\"{}\"", visible(text))
+}
+
+/// Text from a file, fit for a message: control characters replaced, long text cut.
+pub(crate) fn visible(text: &str) -> String {
     const LONGEST: usize = 80;
-    let shown: String = text.chars().take(LONGEST).collect();
-    let more = if shown.len() < text.len() { "…" } else { "" };
-    let visible: String =
-        shown.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect();
-    format!("\"{visible}{more}\"")
+    let shown = |c: char| if c.is_control() { '\u{fffd}' } else { c };
+    let mut visible: String = text.chars().take(LONGEST).map(shown).collect();
+    if text.chars().nth(LONGEST).is_some() {
+        visible.push('…');
+    }
+    visible
 }
 
 #[cfg(test)]

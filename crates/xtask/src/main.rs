@@ -1,2 +1,64 @@
-//! The developers' own commands.
-fn main() {}
+//! The developers' own commands: `cargo xtask test`, `cargo xtask gallery`, `cargo xtask bench`.
+
+mod gallery;
+
+use std::process::{Command, ExitCode};
+
+const USAGE: &str = "\
+Usage: cargo xtask COMMAND
+
+  test      formatting, lints, all tests, documentation: what has to pass
+  slow      the tests that take minutes
+  gallery   renders every scene in scenes/ into docs/images/
+  bench     times tracing on scenes made on the spot";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let done = match arguments.first().map(String::as_str) {
+        Some("test") => test(),
+        Some("slow") => cargo(&["test", "--workspace", "--release", "--", "--ignored"]),
+        Some("gallery") => gallery::render_all(),
+        Some("bench") => cargo(&["bench", "--package", "firstlight"]),
+        _ => Err(USAGE.into()),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("{message}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Runs everything that has to pass, cheapest first.
+fn test() -> Result<(), String> {
+    cargo(&["fmt", "--all", "--check"])?;
+    cargo(&["clippy", "--workspace", "--all-targets", "--", "--deny", "warnings"])?;
+    cargo(&["test", "--workspace"])?;
+    documentation()
+}
+
+/// Builds the documentation; a broken link is an error.
+fn documentation() -> Result<(), String> {
+    let arguments = ["doc", "--workspace", "--no-deps", "--document-private-items", "--quiet"];
+    run(Command::new("cargo").args(arguments).env("RUSTDOCFLAGS", "--deny warnings"))
+}
+
+fn cargo(arguments: &[&str]) -> Result<(), String> {
+    run(Command::new("cargo").args(arguments))
+}
+
+/// Runs a command to its end, with its output shown.
+fn run(command: &mut Command) -> Result<(), String> {
+    eprintln!("$ {}", shown(command));
+    match command.status() {
+        Ok(status) if status.success() => Ok(()),
+        Ok(status) => Err(format!("`{}` failed: {status}", shown(command))),
+        Err(error) => Err(format!("`{}` cannot be run: {error}", shown(command))),
+    }
+}
+
+fn shown(command: &Command) -> String {
+    let words = std::iter::once(command.get_program()).chain(command.get_args());
+    words.map(|word| word.to_string_lossy().into_owned()).collect::<Vec<_>>().join(" ")
+}

@@ -9,15 +9,14 @@ use glam::Vec2;
 /// Places samples by a filter.
 #[derive(Debug, Clone)]
 pub(crate) struct FilterSampler {
-    radius: f32,
-    /// Integral of |f| up to each of `STEPS + 1` places from −radius to radius, scaled to end at 1.
-    cumulative: Vec<f32>,
-    /// Sign of f in each step.
-    signs: Vec<f32>,
+    filter: Filter,
+    /// Places that cut the integral of |f| into `PIECES` equal parts, from −radius to radius.
+    quantiles: Vec<f32>,
+    has_lobes: bool,
 }
 
-/// Pieces of the tabulated filter; it is constant on each.
-const STEPS: usize = 2048;
+/// Pieces of equal probability; the density is constant on each.
+const PIECES: usize = 1024;
 /// Samples per pixel from which on negative weights are outnumbered for certain.
 const ENOUGH_FOR_LOBES: u32 = 16;
 
@@ -25,34 +24,48 @@ impl FilterSampler {
     /// Tabulates `filter` for pictures of `samples` samples per pixel. Negative lobes are left out where so few
     /// samples could cancel each other.
     pub(crate) fn new(filter: &Filter, samples: u32) -> Self {
-        let lowest = if samples < ENOUGH_FOR_LOBES { 0.0 } else { f64::NEG_INFINITY };
-        let radius = radius(filter);
-        let place = |i: usize| ((i as f64 + 0.5) / STEPS as f64 * 2.0 - 1.0) * radius;
-        let values: Vec<f64> = (0..STEPS).map(|i| value(filter, place(i)).max(lowest)).collect();
-        let total: f64 = values.iter().map(|v| v.abs()).sum();
-        let mut sum = 0.0;
-        let mut cumulative = vec![0.0];
-        for v in &values {
-            sum += v.abs();
-            cumulative.push((sum / total) as f32);
-        }
-        let signs = values.iter().map(|v| v.signum() as f32).collect();
-        Self { radius: radius as f32, cumulative, signs }
+        let with_lobes = samples >= ENOUGH_FOR_LOBES;
+        let lowest = if with_lobes { f64::NEG_INFINITY } else { 0.0 };
+        let quantiles = quantiles(radius(filter), |x| value(filter, x).max(lowest).abs());
+        let has_lobes = with_lobes && matches!(filter, Filter::Mitchell { .. });
+        Self { filter: *filter, quantiles, has_lobes }
     }
 
     /// The place of a sample relative to the pixel's centre, in pixels, and its weight, from numbers in 0..1.
     pub(crate) fn place(&self, sample: Vec2) -> (Vec2, f32) {
-        let ((x, sign_x), (y, sign_y)) = (self.invert(sample.x), self.invert(sample.y));
-        (Vec2::new(x, y), sign_x * sign_y)
+        let place = Vec2::new(self.invert(sample.x), self.invert(sample.y));
+        (place, if self.has_lobes { self.sign(place.x) * self.sign(place.y) } else { 1.0 })
     }
 
-    fn invert(&self, sample: f32) -> (f32, f32) {
-        let step = (self.cumulative.partition_point(|&c| c <= sample) - 1).min(STEPS - 1);
-        let (from, to) = (self.cumulative[step], self.cumulative[step + 1]);
-        let part = if to > from { (sample - from) / (to - from) } else { 0.5 };
-        let place = (step as f32 + part) / STEPS as f32 * 2.0 - 1.0;
-        (place * self.radius, self.signs[step])
+    fn invert(&self, sample: f32) -> f32 {
+        let place = sample * PIECES as f32;
+        let piece = (place as usize).min(PIECES - 1);
+        let (from, to) = (self.quantiles[piece], self.quantiles[piece + 1]);
+        from + (place - piece as f32) * (to - from)
     }
+
+    fn sign(&self, place: f32) -> f32 {
+        value(&self.filter, f64::from(place)).signum() as f32
+    }
+}
+
+/// Places from −radius to radius between which a density has equal integrals.
+fn quantiles(radius: f64, density: impl Fn(f64) -> f64) -> Vec<f32> {
+    const STEPS: usize = 16 * PIECES;
+    let edge = |step: usize| (step as f64 / STEPS as f64 * 2.0 - 1.0) * radius;
+    let weights: Vec<f64> = (0..STEPS).map(|i| density(0.5 * (edge(i) + edge(i + 1)))).collect();
+    let piece = weights.iter().sum::<f64>() / PIECES as f64;
+    let (mut places, mut sum) = (vec![-radius as f32], 0.0);
+    for (step, weight) in weights.iter().enumerate() {
+        while places.len() < PIECES && sum + weight >= piece * places.len() as f64 {
+            let part = (piece * places.len() as f64 - sum) / weight;
+            places.push((edge(step) + part * (edge(step + 1) - edge(step))) as f32);
+        }
+        sum += weight;
+    }
+    places.resize(PIECES, radius as f32);
+    places.push(radius as f32);
+    places
 }
 
 fn radius(filter: &Filter) -> f64 {
@@ -96,17 +109,30 @@ mod tests {
     /// Moments of the placed, signed samples against integrals of the filter's formula.
     #[test]
     fn placed_samples_have_the_moments_of_the_filter() {
+        let mitchell = Filter::Mitchell { radius: 2.0, b: 1.0 / 3.0, c: 1.0 / 3.0 };
         let filters = [
-            (Filter::Box { radius: 0.5 }, 1.0 / 12.0),
-            (Filter::Tent { radius: 1.0 }, 1.0 / 6.0),
-            (Filter::Gaussian { radius: 4.0, sigma: 0.5 }, 0.25),
+            Filter::Box { radius: 0.5 },
+            Filter::Tent { radius: 1.0 },
+            Filter::default(),
+            mitchell,
         ];
-        for (filter, variance) in filters {
+        for filter in filters {
+            let places = (0..100_000).map(|i| (f64::from(i) / 50_000.0 - 1.0) * radius(&filter));
+            let integral = |power| {
+                places.clone().map(|x| value(&filter, x) * f64::powi(x, power)).sum::<f64>()
+            };
+            let variance = integral(2) / integral(0);
             let sampler = FilterSampler::new(&filter, 64);
             let n = 100_000;
-            let places = (0..n).map(|i| sampler.place(Vec2::new((i as f32 + 0.5) / n as f32, 0.3)));
-            let sum: f64 = places.map(|(p, w)| f64::from(w) * f64::from(p.x).powi(2)).sum();
-            assert!((sum / f64::from(n) / variance - 1.0).abs() < 1e-3, "{filter:?}");
+            let samples = (0..n).map(|i| Vec2::new((i as f32 + 0.5) / n as f32, 0.5));
+            let places = samples.map(|sample| sampler.place(sample));
+            let moment =
+                |power| places.clone().map(|(p, w)| f64::from(w * p.x.powi(power))).sum::<f64>();
+            let sampled = moment(2) / moment(0);
+            assert!(
+                (sampled - variance).abs() < 1e-3 * radius(&filter),
+                "{filter:?}: {sampled} {variance}"
+            );
         }
     }
 

@@ -39,6 +39,7 @@ impl Bounds {
     }
 
     /// The largest absolute coordinate.
+    #[inline]
     pub(crate) fn reach(self) -> f32 {
         if self.is_empty() { 0.0 } else { self.lo.abs().max(self.hi.abs()).max_element() }
     }

@@ -52,14 +52,16 @@ impl Hit {
     }
 
     /// Whether something was hit.
+    #[inline(always)]
     pub(crate) fn is_some(&self) -> bool {
         self.surface != NOTHING
     }
 
     /// Whether this hit comes before `other`; equal distances are ordered by identity, so that the answer does
     /// not depend on the order of traversal.
+    #[inline(always)]
     pub(crate) fn is_before(&self, other: &Hit) -> bool {
-        let identity = |hit: &Hit| (hit.surface, hit.primitive);
-        self.t < other.t || (self.t == other.t && identity(self) < identity(other))
+        let identity = (self.surface, self.primitive);
+        self.t < other.t || (self.t == other.t && identity < (other.surface, other.primitive))
     }
 }

@@ -8,9 +8,9 @@ use glam::{DVec3, Vec3};
 /// nearly exact here: the sign of t is right for any origin that is off the plane by more than 4·10⁻¹⁶ times
 /// the size of the triangle. That is what lets rays start a single-precision rounding error above a surface
 /// without a minimum distance, see `shading::interaction`.
-#[inline]
+#[inline(always)]
 pub(crate) fn plane_distance(origin: Vec3, direction: Vec3, corners: [Vec3; 3]) -> f64 {
-    let [a, b, c] = corners.map(Vec3::as_dvec3);
+    let (a, b, c) = (corners[0].as_dvec3(), corners[1].as_dvec3(), corners[2].as_dvec3());
     let normal = (b - a).cross(c - a);
     normal.dot(a - origin.as_dvec3()) / normal.dot(direction.as_dvec3())
 }

@@ -6,41 +6,27 @@
 mod access;
 mod atomic;
 mod exr;
+pub mod gltf;
 mod hdr;
+mod load;
+pub mod model;
+pub mod obj;
 mod pfm;
+mod pictures;
 pub mod pixels;
+pub mod ply;
 mod png;
 mod save;
+pub mod scene_file;
+pub mod stl;
+mod text;
+mod triangles;
 
 pub use access::{FileAccess, Limits};
 pub use atomic::write;
+pub use load::{is_scene_file, load, model_override};
 pub use pixels::load_image;
 pub use save::{BitDepth, Develop, Format, Metadata, Precision, save};
-mod load;
-pub mod model;
-pub mod scene_file;
-
-// merged later: the readers of other formats replace these.
-macro_rules! merged_later {
-    ($($format:ident)*) => {$(
-        pub(crate) mod $format {
-            use crate::diagnostic::{Diagnostic, Result};
-            use crate::scene::description::SceneDescription;
-            pub(crate) fn read(
-                _: &[u8],
-                name: &str,
-                _: &super::FileAccess,
-                _: &mut super::Warnings,
-            ) -> Result<SceneDescription> {
-                let message = concat!(stringify!($format), " files cannot be read yet");
-                Err(Box::new(Diagnostic::new(name, message)))
-            }
-        }
-    )*};
-}
-merged_later! { gltf obj ply stl }
-
-pub use load::{is_scene_file, load, model_override};
 
 use crate::diagnostic::Diagnostic;
 

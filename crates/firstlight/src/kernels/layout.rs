@@ -108,7 +108,7 @@ impl TriangleBlock {
     }
 
     /// The corners of one triangle.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn triangle(&self, lane: usize) -> [Vec3; 3] {
         let corner =
             |c: usize| Vec3::from_array([0, 1, 2].map(|axis| self.corners[3 * c + axis][lane]));
@@ -116,13 +116,13 @@ impl TriangleBlock {
     }
 
     /// Its number in the tree.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn number(&self, lane: usize) -> u32 {
         self.words[lane] & NUMBER
     }
 
     /// Its flags, [`ONE_SIDED`] and [`PARTLY_THERE`].
-    #[inline]
+    #[inline(always)]
     pub(crate) fn flags(&self, lane: usize) -> u32 {
         self.words[lane] & !NUMBER
     }

@@ -180,7 +180,7 @@ impl<S: Simd> Search<'_, S> {
         if crossed == 0 {
             return false;
         }
-        let weights = weights.map(Lanes::to_array);
+        let weights = [weights[0].to_array(), weights[1].to_array(), weights[2].to_array()];
         let mut found = false;
         while crossed != 0 {
             let lane = crossed.trailing_zeros() as usize;
@@ -203,7 +203,7 @@ impl<S: Simd> Search<'_, S> {
         hit: &mut Hit,
     ) -> bool {
         let scale = 1.0 / (weights[0] + weights[1] + weights[2]);
-        let t = distance(ray, block.triangle(lane), weights.map(|w| w * scale));
+        let t = distance(ray, block.triangle(lane), weights, scale);
         if !(t > ray.t_min && t <= hit.t) {
             return false;
         }
@@ -221,16 +221,15 @@ impl<S: Simd> Search<'_, S> {
     }
 }
 
-/// Distance to a triangle that was hit; for one without area, to the point with the given weights.
+/// Distance to a triangle that was hit; for one without area, to the point with the given weights times `scale`.
 #[inline(always)]
-fn distance(ray: &Ray, corners: [Vec3; 3], weights: [f32; 3]) -> f32 {
+fn distance(ray: &Ray, corners: [Vec3; 3], weights: [f32; 3], scale: f32) -> f32 {
     let t = plane_distance(ray.origin, ray.direction, corners) as f32;
     if t.is_finite() {
         return t;
     }
-    let [a, b, c] = corners;
-    let point = weights[0] * a + weights[1] * b + weights[2] * c;
-    (point - ray.origin).dot(ray.direction) / ray.direction.length_squared()
+    let point = weights[0] * corners[0] + weights[1] * corners[1] + weights[2] * corners[2];
+    (point * scale - ray.origin).dot(ray.direction) / ray.direction.length_squared()
 }
 
 #[inline(never)]
@@ -244,8 +243,9 @@ struct Slabs<S: Simd> {
     scale: [S::F; 3],
     near: [S::F; 3],
     far: [S::F; 3],
-    /// Which of a node's six planes is entered first, by axis.
+    /// Which of a node's six planes is entered first and last, by axis.
     near_plane: [usize; 3],
+    far_plane: [usize; 3],
     t_min: S::F,
     simd: S,
 }
@@ -260,30 +260,43 @@ impl<S: Simd> Slabs<S> {
     #[inline(always)]
     fn new(simd: S, tree: &Tree, ray: &Ray) -> Self {
         let pad = Self::PAD * (ray.origin.abs().max_element() + tree.bounds.reach());
-        let d = ray.direction.to_array().map(|d| d.abs().max(Self::SMALLEST).copysign(d));
-        let o = ray.origin.to_array();
-        let scale = d.map(|d| 1.0 / d);
-        let offset = |pad: f32| [0, 1, 2].map(|i| -(o[i] + pad.copysign(pad * d[i])) * scale[i]);
-        Self {
-            scale: scale.map(|x| simd.splat(x)),
-            near: offset(pad).map(|x| simd.splat(x)),
-            far: offset(-pad).map(|x| simd.splat(x)),
-            near_plane: [0, 1, 2].map(|i| if d[i] > 0.0 { i } else { i + 3 }),
-            t_min: simd.splat(ray.t_min),
-            simd,
+        let zero = simd.splat(0.0);
+        let (mut scale, mut near, mut far) = ([zero; 3], [zero; 3], [zero; 3]);
+        let mut near_plane = [0; 3];
+        for axis in 0..3 {
+            let (o, d) = (ray.origin[axis], ray.direction[axis]);
+            let reciprocal = 1.0 / d.abs().max(Self::SMALLEST).copysign(d);
+            let pad = pad.copysign(reciprocal);
+            scale[axis] = simd.splat(reciprocal);
+            near[axis] = simd.splat(-(o + pad) * reciprocal);
+            far[axis] = simd.splat(-(o - pad) * reciprocal);
+            near_plane[axis] = if reciprocal > 0.0 { axis } else { axis + 3 };
         }
+        let far_plane = [(near_plane[0] + 3) % 6, (near_plane[1] + 3) % 6, (near_plane[2] + 3) % 6];
+        Self { scale, near, far, near_plane, far_plane, t_min: simd.splat(ray.t_min), simd }
+    }
+
+    /// Where the ray enters the slabs of one axis.
+    #[inline(always)]
+    fn near(&self, node: &Node, axis: usize) -> S::F {
+        let planes = &node.planes[self.near_plane[axis] % 6];
+        self.simd.load(planes).mul_add(self.scale[axis], self.near[axis])
+    }
+
+    /// Where the ray leaves the slabs of one axis.
+    #[inline(always)]
+    fn far(&self, node: &Node, axis: usize) -> S::F {
+        let planes = &node.planes[self.far_plane[axis] % 6];
+        self.simd.load(planes).mul_add(self.scale[axis], self.far[axis])
     }
 
     /// Pushes the children of `node` that the ray meets before `t`, the nearest last.
     #[inline(always)]
     fn enter<const ANY: bool>(&self, node: &Node, t: f32, stack: &mut Stack) {
-        let at = |axis: usize, plane: usize, offset: S::F| {
-            self.simd.load(&node.planes[plane]).mul_add(self.scale[axis], offset)
-        };
-        let near = |axis| at(axis, self.near_plane[axis], self.near[axis]);
-        let far = |axis| at(axis, (self.near_plane[axis] + 3) % 6, self.far[axis]);
-        let enter = near(0).max(near(1)).max(near(2).max(self.t_min));
-        let leave = far(0).min(far(1)).min(far(2).min(self.simd.splat(t)));
+        let enter =
+            self.near(node, 0).max(self.near(node, 1)).max(self.near(node, 2).max(self.t_min));
+        let end = self.simd.splat(t);
+        let leave = self.far(node, 0).min(self.far(node, 1)).min(self.far(node, 2).min(end));
         let mut met = enter.le(leave).bits();
         let (enter, base) = (enter.to_array(), stack.len);
         while met != 0 {
@@ -312,25 +325,29 @@ impl<S: Simd> Shear<S> {
         let d = ray.direction;
         let z = d.abs().max_position();
         let axes = [(z + 1) % 3, (z + 2) % 3, z];
-        let shear = [d[axes[0]] / d[z], d[axes[1]] / d[z]];
+        let o = ray.origin;
         Self {
             axes,
-            shear: shear.map(|s| simd.splat(s)),
-            origin: axes.map(|axis| simd.splat(ray.origin[axis])),
+            shear: [simd.splat(d[axes[0]] / d[z]), simd.splat(d[axes[1]] / d[z])],
+            origin: [simd.splat(o[axes[0]]), simd.splat(o[axes[1]]), simd.splat(o[axes[2]])],
         }
+    }
+
+    /// One corner of each triangle, with the ray as z axis.
+    #[inline(always)]
+    fn corner(&self, simd: S, block: &TriangleBlock, first_row: usize) -> (S::F, S::F) {
+        let x = simd.load(&block.corners[(first_row + self.axes[0]) % ROWS]) - self.origin[0];
+        let y = simd.load(&block.corners[(first_row + self.axes[1]) % ROWS]) - self.origin[1];
+        let z = simd.load(&block.corners[(first_row + self.axes[2]) % ROWS]) - self.origin[2];
+        (x - self.shear[0] * z, y - self.shear[1] * z)
     }
 
     /// Which triangles the ray's line crosses, and the weights of their corners (not normalised).
     #[inline(always)]
     fn cross(&self, simd: S, block: &TriangleBlock) -> (u32, [S::F; 3]) {
-        let [a, b, c] = [0, 1, 2].map(|corner| {
-            let p = |i: usize| {
-                let row = (3 * corner + self.axes[i]) % ROWS;
-                simd.load(&block.corners[row]) - self.origin[i]
-            };
-            let depth = p(2);
-            (p(0) - self.shear[0] * depth, p(1) - self.shear[1] * depth)
-        });
+        let a = self.corner(simd, block, 0);
+        let b = self.corner(simd, block, 3);
+        let c = self.corner(simd, block, 6);
         let u = c.0 * b.1 - c.1 * b.0;
         let v = a.0 * c.1 - a.1 * c.0;
         let w = b.0 * a.1 - b.1 * a.0;

@@ -51,7 +51,7 @@ pub enum Measure {
 /// A number in coherent SI units and what it measures.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quantity {
-    /// The number, in [`unit`] of its dimension and measure.
+    /// The number, in the [`unit()`] of its dimension and measure.
     pub value: f64,
     /// What it measures.
     pub dimension: Dimension,

@@ -6,7 +6,7 @@
 use super::{Dimension, Measure, Quantity, unit};
 use crate::suggest::quoted;
 use glam::{DVec2, DVec3};
-use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
+use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, SeqAccess, Visitor};
 use std::fmt;
 use std::marker::PhantomData;
 
@@ -61,8 +61,12 @@ impl<'de, T: Written> Visitor<'de> for WrittenVisitor<T> {
                 list.next_element()?.ok_or_else(|| A::Error::invalid_length(i, &T::EXPECTED))?;
             *slot = value;
         }
-        if list.next_element::<Number>()?.is_some() {
-            return Err(A::Error::invalid_length(4, &T::EXPECTED));
+        let mut count = triple.len();
+        while list.next_element::<IgnoredAny>()?.is_some() {
+            count += 1;
+        }
+        if count > triple.len() {
+            return Err(A::Error::invalid_length(count, &T::EXPECTED));
         }
         T::from_triple(triple).map_err(A::Error::custom)
     }
@@ -265,9 +269,16 @@ pub(crate) fn quantity(text: &str, wanted: Dimension) -> Checked<Quantity> {
 
 /// The units of a dimension in words: "W/m² or lx".
 pub(crate) fn units_of(dimension: Dimension) -> String {
-    let (energy, seen) =
-        (unit(dimension, Measure::Radiometric), unit(dimension, Measure::Photometric));
-    if energy == seen { format!("a unit such as {energy}") } else { format!("{energy} or {seen}") }
+    match dimension {
+        Dimension::Length => "a length in m, mm, cm, km, in or ft".into(),
+        Dimension::Angle => "an angle in deg, ° or rad".into(),
+        Dimension::Efficacy => "lm/W".into(),
+        _ => {
+            let [energy, seen] = [Measure::Radiometric, Measure::Photometric]
+                .map(|measure| unit(dimension, measure));
+            format!("{energy} or {seen}")
+        }
+    }
 }
 
 fn finite(number: f64) -> Checked<f64> {
@@ -298,7 +309,10 @@ mod tests {
 
     #[test]
     fn every_type_refuses_what_it_cannot_be() {
-        assert_eq!(read::<Length>("\"3 lm\""), Err("needs a unit such as m, not lm".into()));
+        assert_eq!(
+            read::<Length>("\"3 lm\""),
+            Err("needs a length in m, mm, cm, km, in or ft, not lm".into())
+        );
         assert_eq!(read::<Size>("0"), Err("must be greater than 0, not 0".into()));
         assert_eq!(read::<Length>("nan"), Err("must be a finite number, not NaN".into()));
         assert!(read::<Length>("1e300").is_err());

@@ -1,8 +1,8 @@
 //! From what is written to a scene with indices.
 
-use super::document::{At, Document, Span};
+use super::document::{At, Document, Named, Span, in_order};
 use super::light::Lighting;
-use super::material::Pictures;
+use super::material::{MaterialKeys, Pictures};
 use super::surface::{NewShape, SurfaceKeys};
 use super::{InstanceKeys, ModelKeys, SceneKeys, transform};
 use crate::color::Rgb;
@@ -53,14 +53,17 @@ pub(super) fn build(
         luminous_efficacy: LuminousEfficacy(efficacy),
         ..SceneDescription::default()
     };
-    for (name, camera) in
-        keys.camera.map(|camera| ("camera".to_owned(), camera)).into_iter().chain(keys.cameras)
+    for (name, camera) in keys
+        .camera
+        .map(|camera| ("camera".to_owned(), camera))
+        .into_iter()
+        .chain(in_order(keys.cameras))
     {
         scene.cameras.push(camera.describe(&name, keys.up, document)?);
     }
     let lighting = Lighting { document, efficacy };
-    for (name, light) in keys.lights {
-        scene.lights.push(lighting.describe(&name, light)?);
+    for (name, light) in in_order(keys.lights) {
+        scene.lights.push(lighting.describe(&name, light.value)?);
     }
     let mut builder = Builder {
         document,
@@ -73,25 +76,25 @@ pub(super) fn build(
         placed: IndexMap::new(),
     };
     builder.add_materials(keys.materials)?;
-    for (name, surface) in keys.surfaces {
+    for (name, surface) in in_order(keys.surfaces) {
         builder.add_surface(name, surface)?;
     }
-    for (name, model) in keys.models {
+    for (name, model) in in_order(keys.models) {
         builder.add_model(name, model, warnings)?;
     }
-    for (name, instance) in keys.instances {
+    for (name, instance) in in_order(keys.instances) {
         builder.add_instance(&name, instance)?;
     }
     Ok(builder.scene)
 }
 
 impl Builder<'_> {
-    fn add_materials(&mut self, materials: IndexMap<String, super::MaterialKeys>) -> Result<()> {
+    fn add_materials(&mut self, materials: Named<MaterialKeys>) -> Result<()> {
         let (document, access) = (self.document, self.access);
         let mut pictures =
             Pictures { document, access, images: Vec::new(), by_file: HashMap::new() };
-        for (name, material) in materials {
-            self.scene.materials.push(material.describe(&name, &mut pictures)?);
+        for (name, material) in in_order(materials) {
+            self.scene.materials.push(material.value.describe(&name, &mut pictures)?);
             self.materials.insert(name, self.scene.materials.len() - 1);
         }
         self.scene.images = pictures.images;

@@ -1,6 +1,5 @@
 //! What the TOML reader complains about, in words that name the key and the way out.
 
-use crate::diagnostic::Place;
 use crate::suggest::{did_you_mean, quoted};
 use std::fmt;
 
@@ -37,6 +36,18 @@ impl Path {
             path.pop();
         }
         path
+    }
+
+    /// The path up to a list of tables, if a key inside one is unknown: `[[...]]` is nowhere right here.
+    fn table_in_list(&self, message: &str) -> Option<Self> {
+        match self.0.as_slice() {
+            [list @ .., PathStep::Index(_), PathStep::Key(_)]
+                if message.starts_with("unknown field") && list.len() <= 2 =>
+            {
+                Some(Self(list.to_vec()))
+            }
+            _ => None,
+        }
     }
 
     /// A table that shows how a thing of this kind is written.
@@ -79,6 +90,9 @@ impl fmt::Display for Path {
 /// Messages of our own types are predicates ("must be greater than 0, not -1") and get `path` as their subject.
 pub(super) fn reword(message: &str, path: &Path) -> (String, Option<String>) {
     let plain = |text: String| (text, None);
+    if let Some(table) = path.table_in_list(message) {
+        return (format!("{table} is written [[{table}]]"), Some(format!("write [{table}], once")));
+    }
     if let Some(rest) = message.strip_prefix("unknown field ") {
         let (name, known) = names(rest);
         let hint = did_you_mean(name, known.iter().copied());
@@ -109,7 +123,7 @@ pub(super) fn reword(message: &str, path: &Path) -> (String, Option<String>) {
         return (format!("{path} needs exactly one kind"), path.example());
     }
     if message == "wanted string or table" {
-        return plain(format!("{path} needs a word or a table"));
+        return (format!("{path} needs a word or a table"), path.example());
     }
     if message.ends_with("overflowed") {
         return plain(format!("{path} has a number that is too large"));
@@ -117,12 +131,10 @@ pub(super) fn reword(message: &str, path: &Path) -> (String, Option<String>) {
     plain(format!("{path} {message}"))
 }
 
-/// A way out of the syntax errors that scenes invite.
-pub(super) fn syntax_help(place: &Place) -> Option<String> {
-    let (_, value) = place.source.as_deref()?.split_once('=')?;
-    let value = value.trim();
-    let bare_word = value.starts_with(|c: char| c.is_alphanumeric() || "#-+.".contains(c));
-    bare_word.then(|| "text, such as a unit, colour or file, goes in quotation marks".to_owned())
+/// A way out of the syntax error that scenes invite most: text without quotation marks.
+pub(super) fn syntax_help(message: &str) -> Option<String> {
+    let unquoted = message.starts_with("string values must be quoted");
+    unquoted.then(|| "what has a unit is text, in quotation marks: \"60 W\"".to_owned())
 }
 
 /// The first name in backticks, and those after it.
@@ -145,6 +157,7 @@ fn expected(message: &str) -> Option<(&str, String)> {
         "a sequence" => "a list".to_owned(),
         "a string" => "text in quotation marks".to_owned(),
         "a boolean" => "true or false".to_owned(),
+        "i64" | "u64" | "u32" => "a whole number".to_owned(),
         _ => match expected.strip_prefix("struct ") {
             Some(_) => "a table".to_owned(),
             None => expected.to_owned(),
@@ -161,6 +174,7 @@ fn describe(found: &str) -> String {
         _ => match found.strip_prefix("string ") {
             Some(text) => format!("the text {}", quoted(text.trim_matches('"'))),
             None if found.bytes().all(|b| b.is_ascii_digit()) => format!("{found} values"),
+            None if found.starts_with("integer ") => found.replace(" as i128", "").replace('`', ""),
             None => found.chars().filter(|c| *c != '`').take(80).collect(),
         },
     }

@@ -3,6 +3,7 @@
 use super::complaint::{self, Path, PathStep};
 use super::overrides::Override;
 use crate::diagnostic::{Diagnostic, Place, Result};
+use indexmap::IndexMap;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::{Deserialize, DeserializeOwned, Deserializer};
 use serde_spanned::Spanned;
@@ -42,6 +43,15 @@ impl<T: JsonSchema> JsonSchema for At<T> {
     }
 }
 
+/// Things by their names.
+pub(super) type Named<T> = IndexMap<String, At<T>>;
+
+/// The things in the order of the text, overrides last; TOML tables come in the order of names.
+pub(super) fn in_order<T>(mut things: Named<T>) -> impl Iterator<Item = (String, At<T>)> {
+    things.sort_by(|_, a, _, b| a.span.start.cmp(&b.span.start));
+    things.into_iter()
+}
+
 /// The text of a scene, its name and what is laid over it.
 #[derive(Clone, Copy)]
 pub(super) struct Document<'a> {
@@ -57,6 +67,7 @@ impl<'a> Document<'a> {
             let span = error.span().unwrap_or_default();
             let path = self.path(&span);
             let (message, help) = complaint::reword(error.message(), &path);
+            let help = help.or_else(|| self.meant(&span));
             Box::new(Diagnostic { message, place: self.place(&span), help })
         })
     }
@@ -80,7 +91,7 @@ impl<'a> Document<'a> {
     fn tree(&self) -> Result<Spanned<DeValue<'a>>> {
         let table = DeTable::parse(self.text).map_err(|error| {
             let place = self.place(&error.span().unwrap_or_default());
-            let help = complaint::syntax_help(&place);
+            let help = complaint::syntax_help(error.message());
             Diagnostic { message: error.message().to_owned(), place, help }
         })?;
         let mut tree = Spanned::new(table.span(), DeValue::Table(table.into_inner()));
@@ -104,24 +115,38 @@ impl<'a> Document<'a> {
 
     /// The file and line, or the override, that `span` lies in.
     fn place(&self, span: &Span) -> Place {
-        let Some(mut offset) = span.start.checked_sub(self.text.len() + 1) else {
-            return place_in_text(self.name, self.text, span);
-        };
+        match self.overriding(span) {
+            Some(over) => over.place(),
+            None => place_in_text(self.name, self.text, span),
+        }
+    }
+
+    /// The override that `span` lies in, if it is beyond the text.
+    fn overriding(&self, span: &Span) -> Option<&'a Override> {
+        let mut offset = span.start.checked_sub(self.text.len() + 1)?;
         for over in self.overrides {
             if offset <= over.text.len() {
-                return over.place();
+                return Some(over);
             }
             offset -= over.text.len() + 1;
         }
-        Place { file: self.name.into(), ..Place::default() }
+        None
+    }
+
+    /// What an override may have meant that made a new, incomplete thing beside a similar one.
+    fn meant(&self, span: &Span) -> Option<String> {
+        let over = self.overriding(span)?;
+        let tree = Document { overrides: &[], ..*self }.tree().ok()?;
+        over.meant(tree.get_ref())
     }
 }
 
 /// The line and column of a range of bytes, and the line itself unless it is too long to show.
 pub(super) fn place_in_text(name: &str, text: &str, span: &Span) -> Place {
     const LONGEST_SHOWN: usize = 200;
-    let start = text.floor_char_boundary(span.start);
-    let end = text.floor_char_boundary(span.end.max(start));
+    let boundary = |at: usize| (0..=at.min(text.len())).rev().find(|&i| text.is_char_boundary(i));
+    let start = boundary(span.start).unwrap_or(0);
+    let end = boundary(span.end).unwrap_or(start).max(start);
     let (before, after) = text.split_at(start);
     let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
     let line_end = start + after.find('\n').unwrap_or(after.len());

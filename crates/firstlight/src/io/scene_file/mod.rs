@@ -1,7 +1,7 @@
 //! The scene format: TOML with a table for each thing, `[kind.name.type]`. See docs/scene-format.md.
 //!
 //! What is written is deserialised into the `...Keys` structs of the submodules, which check every value as it is
-//! read, so that each error has its place; [`build`] then turns names into indices. The JSON schema comes from the
+//! read, so that each error has its place; `build` then turns names into indices. The JSON schema comes from the
 //! same structs.
 
 mod build;
@@ -30,9 +30,8 @@ use crate::suggest::quoted;
 use crate::units::written::{Checked, Size, WITH_UNIT, Written, quantity, written};
 use crate::units::{Dimension, Quantity};
 use camera::CameraKeys;
-use document::{At, Document};
+use document::{At, Document, Named};
 use film::FilmKeys;
-use indexmap::IndexMap;
 use light::LightKeys;
 use material::MaterialKeys;
 use schemars::JsonSchema;
@@ -40,12 +39,23 @@ use serde::Deserialize;
 use surface::SurfaceKeys;
 use transform::Step;
 
+/// Bytes of memory that reading `text` needs at most.
+///
+/// Measured on texts made to need much: lists of short numbers, and tables with one key each. Every table of a
+/// text that holds something has a dot or an equals sign of its own.
+fn memory(text: &str) -> u64 {
+    const A_BYTE: u64 = 90;
+    const A_TABLE: u64 = 1200;
+    let tables = text.bytes().filter(|byte| matches!(byte, b'.' | b'=')).count();
+    A_BYTE * text.len() as u64 + A_TABLE * tables as u64
+}
+
 /// Reads a scene from its text; `name` is the file as the user named it.
 ///
 /// `overrides` are laid over the text, later ones over earlier ones. Models and pictures are opened through `access`.
 ///
 /// # Errors
-/// At the first thing that is wrong: syntax, an unknown or missing key, a value out of range, a name that nothing
+/// At the first thing that is wrong: more text than fits in `access.limits.decoded_bytes` when unpacked, syntax, an unknown or missing key, a value out of range, a name that nothing
 /// has, a file that cannot be read. The place is a line of the text, an override, or the file that failed.
 pub fn read(
     text: &str,
@@ -54,6 +64,12 @@ pub fn read(
     access: &FileAccess,
     warnings: &mut Warnings,
 ) -> Result<SceneDescription> {
+    let (needed, limit) = (memory(text) >> 20, access.limits.decoded_bytes >> 20);
+    if needed > limit {
+        let message = format!("this text may take {needed} MiB to read; {limit} MiB are allowed");
+        let error = Diagnostic::new(name, message);
+        return Err(Box::new(error.help("keep large meshes in model files, or raise the limit")));
+    }
     let document = Document { name, text, overrides };
     build::build(document.read()?, &document, access, warnings)
 }
@@ -99,19 +115,19 @@ struct SceneKeys {
     /// The camera to use first. Default: one that frames everything.
     camera: Option<At<CameraKeys>>,
     /// Further cameras by name.
-    cameras: IndexMap<String, At<CameraKeys>>,
+    cameras: Named<CameraKeys>,
     /// Resolution, samples, filter, exposure.
     film: FilmKeys,
     /// Materials by name.
-    materials: IndexMap<String, MaterialKeys>,
+    materials: Named<MaterialKeys>,
     /// Shapes by name.
-    surfaces: IndexMap<String, At<SurfaceKeys>>,
+    surfaces: Named<SurfaceKeys>,
     /// Model files by name.
-    models: IndexMap<String, At<ModelKeys>>,
+    models: Named<ModelKeys>,
     /// Repetitions of surfaces and models, by name.
-    instances: IndexMap<String, At<InstanceKeys>>,
+    instances: Named<InstanceKeys>,
     /// Lights by name.
-    lights: IndexMap<String, LightKeys>,
+    lights: Named<LightKeys>,
 }
 
 impl Default for SceneKeys {
@@ -122,13 +138,13 @@ impl Default for SceneKeys {
             luminous_efficacy: Efficacy(LuminousEfficacy::default().0),
             shadows: Shadows::default(),
             camera: None,
-            cameras: IndexMap::new(),
+            cameras: Named::new(),
             film: FilmKeys::default(),
-            materials: IndexMap::new(),
-            surfaces: IndexMap::new(),
-            models: IndexMap::new(),
-            instances: IndexMap::new(),
-            lights: IndexMap::new(),
+            materials: Named::new(),
+            surfaces: Named::new(),
+            models: Named::new(),
+            instances: Named::new(),
+            lights: Named::new(),
         }
     }
 }

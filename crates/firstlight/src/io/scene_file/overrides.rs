@@ -1,7 +1,7 @@
 //! `-D key.path=value`: one value of a scene, set from outside.
 
 use crate::diagnostic::{Diagnostic, Place, Result};
-use crate::suggest::quoted;
+use crate::suggest::{nearest, quoted, visible};
 use serde_spanned::Spanned;
 use std::borrow::Cow;
 use std::ops::Range;
@@ -30,7 +30,7 @@ impl FromStr for Override {
         // A quoted key may hold a `=` itself: the first one that leaves a key in front is meant.
         let split = text.match_indices('=').take(8).find_map(|(i, _)| Some((i, keys(&text[..i])?)));
         let Some((equals, keys)) = split else {
-            let error = Diagnostic::new(format!("-D {}", quoted(text)), "this sets no value");
+            let error = Diagnostic::new(format!("-D {}", visible(text)), "this sets no value");
             return Err(Box::new(error.help("write key.path=value, such as film.samples=64")));
         };
         let after = &text[equals + 1..];
@@ -53,6 +53,20 @@ impl Override {
         offset: usize,
     ) -> Result<()> {
         self.set(root, &self.keys, offset)
+    }
+
+    /// "did you mean ..." for the first key that `tree` lacks, if it has a similar one.
+    pub(super) fn meant(&self, tree: &DeValue<'_>) -> Option<String> {
+        let mut value = tree;
+        for (key, _) in &self.keys {
+            let table = value.as_table()?;
+            let Some(next) = table.get(key.as_str()) else {
+                let near = nearest(key, table.keys().map(|known| known.get_ref().as_ref()))?;
+                return Some(format!("did you mean \"{near}\" where it says \"{key}\"?"));
+            };
+            value = next.get_ref();
+        }
+        None
     }
 
     fn set<'a>(
@@ -93,8 +107,7 @@ impl Override {
 
     /// The override itself as the place of a complaint.
     pub(super) fn place(&self) -> Place {
-        let shown = quoted(&self.text);
-        Place { file: format!("-D {}", shown.trim_matches('"')), ..Place::default() }
+        Place { file: format!("-D {}", visible(&self.text)), ..Place::default() }
     }
 
     fn error(&self, message: String) -> Box<Diagnostic> {

@@ -155,7 +155,10 @@ impl MeshKeys {
             match corners.iter().find(|corner| !corner_in_range(corner)) {
                 None => Ok(corners),
                 Some(wrong) => {
-                    let message = format!("names vertex {wrong}, but there are {count}, from 0");
+                    let message = format!(
+                        "names vertex {wrong}, but the last of {count} is {}",
+                        count.saturating_sub(1)
+                    );
                     Err(document.error(&triangle.span, message))
                 }
             }

@@ -1,34 +1,401 @@
 use super::*;
+use crate::color::luminance;
+use crate::scene::description::{
+    Alpha, CameraLightAmount, Exposure, Filter, Light, Pattern, Projection, Shape, Wrap,
+};
+use glam::DVec3;
+use std::f64::consts::PI;
 use std::path::Path;
+
+fn scene_with(text: &str, overrides: &[&str]) -> Result<SceneDescription> {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name);
+    image::RgbaImage::new(1, 1).save(file("wood.png")).unwrap();
+    let access = FileAccess::beside(&file("scene.toml"), &[]);
+    let overrides = overrides.iter().map(|o| o.parse()).collect::<Result<Vec<_>>>()?;
+    read(text, "scene.toml", &overrides, &access, &mut Warnings::new())
+}
+
+fn scene(text: &str) -> SceneDescription {
+    scene_with(text, &[]).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The first line of the error.
+fn complaint(text: &str) -> String {
+    complaint_with(text, &[])
+}
+
+fn complaint_with(text: &str, overrides: &[&str]) -> String {
+    let error = scene_with(text, overrides).expect_err("an error").to_string();
+    error.lines().next().unwrap_or_default().to_owned()
+}
+
 #[test]
-fn dump() {
-    let access = FileAccess::beside(Path::new("/tmp/c/scene.toml"), &[]);
-    for line in std::fs::read_to_string("/tmp/c/wrong.txt").unwrap().lines() {
-        let text = line.replace("\\n", "\n");
-        match read(&text, "s.toml", &[], &access, &mut vec![]) {
-            Ok(_) => println!("-- {line}\nOK?!"),
-            Err(e) => println!("-- {line}\n{e}"),
+fn the_examples_of_the_reference_are_scenes() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let reference = std::fs::read_to_string(folder.join("docs/scene-format.md")).unwrap();
+    let examples: Vec<&str> =
+        reference.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
+    assert_eq!(examples.len(), 9);
+    for example in &examples {
+        let document = Document { name: "example", text: example, overrides: &[] };
+        document.read::<SceneKeys>().unwrap_or_else(|error| panic!("{error}"));
+        // The one with a model would need the model.
+        if !example.contains("[models.") {
+            scene(example);
         }
     }
-    for o in [
-        "film.samples=0",
-        "film.smaples=4",
-        "lights.key.point.power=60W",
-        "background=#fff9be",
-        "background=rd",
-        "camera.perspective.fov=[1",
-        "x",
-        "film.samples.a=3",
-        "surfaces.b.transform.0.scale=0",
-        "surfaces.b.transform.7.scale=0",
-        "\"a=b\".c=1",
-        "lights.key.point.power=60 lx",
-        "film={samples=3,x=2}",
-        "lights.kye.point.power=3",
-    ] {
-        let text = "[lights.key.point]\nposition=[0,0,1]\npower=3\n[surfaces.b]\nsphere={}\ntransform=[{scale=1}]\n[film]\nsamples=3\n";
-        let r =
-            o.parse::<Override>().and_then(|o| read(text, "s.toml", &[o], &access, &mut vec![]));
-        println!("== {o}\n{}", r.map_or_else(|e| e.to_string(), |_| "ok".into()));
+    let first = std::fs::read_to_string(folder.join("scenes/first.toml")).unwrap();
+    assert_eq!(examples[0], first);
+}
+
+#[test]
+fn an_empty_file_is_a_scene_of_defaults() {
+    let empty = scene("");
+    assert_eq!((empty.cameras.len(), empty.surfaces.len(), empty.lights.len()), (0, 0, 0));
+    assert_eq!(empty.film, Default::default());
+    assert_eq!(empty.luminous_efficacy, Default::default());
+}
+
+#[test]
+fn a_small_scene_arrives_whole() {
+    let scene = scene(
+        "up = 'y'
+        background = '#fff'
+        camera.orthographic = { position = [0, 3, 0], height = '50 cm' }
+        cameras.side.thin_lens = { position = [3, 0, 0], aperture = '5 mm' }
+        film = { resolution = [10, 20], samples = 3, filter = 'box', exposure = 'auto', seed = 7 }
+        [materials.red.lambert]
+        reflectance = [0.5, 0.25, 0.125]
+        alpha_cutoff = 0.5
+        [surfaces.ball]
+        sphere = { center = [0, 0, 1], radius = 2 }
+        material = 'red'
+        transform = [{ scale = 2 }, { rotate_z = 90 }, { translate = [0, 0, 1] }]
+        [surfaces.floor.plane]",
+    );
+    assert_eq!(scene.background, Rgb::ONE);
+    assert_eq!(scene.cameras[0].name, "camera");
+    assert_eq!(scene.cameras[0].up, DVec3::NEG_Z, "seen from above, -z is up where y is");
+    assert_eq!(scene.cameras[0].projection, Projection::Orthographic { height: 0.5 });
+    let lens = Projection::ThinLens {
+        vertical_fov: 40_f64.to_radians(),
+        aperture: 0.005,
+        focus_distance: 3.0,
+    };
+    assert_eq!((scene.cameras[1].name.as_str(), scene.cameras[1].projection), ("side", lens));
+    assert_eq!((scene.film.width, scene.film.height, scene.film.samples), (10, 20, 3));
+    assert_eq!((scene.film.filter, scene.film.seed), (Filter::Box { radius: 0.5 }, 7));
+    assert_eq!(scene.film.exposure, Exposure::Auto);
+    assert_eq!(scene.materials[0].reflectance.factor, [0.5, 0.25, 0.125, 1.0]);
+    assert_eq!(scene.materials[0].alpha, Alpha::Mask { cutoff: 0.5 });
+    let [ball, floor] = scene.surfaces.as_slice() else { panic!("two surfaces") };
+    assert_eq!((ball.material, floor.material), (0, 1), "the floor has the default grey");
+    // (1, 0, 0): doubled, turned to +y, lifted.
+    let moved = ball.transform.transform_point3(DVec3::X);
+    assert!(moved.abs_diff_eq(DVec3::new(0.0, 2.0, 1.0), 1e-12), "{moved}");
+    assert!(matches!(&floor.shape, Shape::Plane(plane) if plane.normal == DVec3::Z));
+}
+
+#[test]
+fn every_matrix_row_is_an_output_coordinate() {
+    let rows = "[[0, 2, 0, 5], [1, 0, 0, 6], [0, 0, 3, 7], [0, 0, 0, 1]]";
+    let text = format!("surfaces.a = {{ sphere = {{}}, transform = [{{ matrix = {rows} }}] }}");
+    let moved = scene(&text).surfaces[0].transform.transform_point3(DVec3::ONE);
+    assert_eq!(moved, DVec3::new(7.0, 7.0, 10.0));
+}
+
+#[test]
+fn textures_have_their_patterns() {
+    let scene = scene(
+        "[materials.wood.lambert]
+        reflectance = { image = { file = 'wood.png', wrap = ['mirror', 'clamp'], scale = 2, offset = [1, 0] } }
+        emission = { checker = { colors = ['#fff', [3, 2, 1]], size = [1, '50 cm'] } }",
+    );
+    let Pattern::Image { image: 0, wrap, transform, .. } = &scene.materials[0].reflectance.pattern
+    else {
+        panic!("a picture")
+    };
+    assert_eq!(*wrap, [Wrap::Mirror, Wrap::Clamp]);
+    assert_eq!(transform.transform_point2(glam::Vec2::ONE), glam::Vec2::new(3.0, 2.0));
+    let checker = Pattern::Checker {
+        colors: [[1.0; 4], [3.0, 2.0, 1.0, 1.0]],
+        size: glam::Vec2::new(1.0, 0.5),
+    };
+    assert_eq!(scene.materials[0].emission.pattern, checker);
+}
+
+#[test]
+fn one_picture_under_two_names_is_decoded_once() {
+    let material = |name: &str, file: &str| {
+        format!("materials.{name}.lambert.reflectance = {{ image = {{ file = '{file}' }} }}\n")
+    };
+    let scene = scene(&(material("a", "wood.png") + &material("b", "./wood.png")));
+    assert_eq!((scene.materials.len(), scene.images.len()), (2, 1));
+}
+
+fn point_intensity(keys: &str) -> Rgb {
+    let text = format!("lights.a.point = {{ position = [0, 0, 1], {keys} }}");
+    match scene(&text).lights[0].light {
+        Light::Point { intensity, .. } => intensity,
+        _ => panic!("a point light"),
     }
+}
+
+#[test]
+fn coloured_lumens_stay_lumens_and_coloured_watts_are_multiplied() {
+    for color in ["white", "#ff0000", "#fff4e0", "#000001"] {
+        let intensity = point_intensity(&format!("power = '800 lm', color = '{color}'"));
+        let lumens = f64::from(luminance(intensity)) * 683.0 * 4.0 * PI;
+        assert!((lumens - 800.0).abs() < 1e-3, "{color}: {lumens}");
+    }
+    let per_steradian = point_intensity("power = '60 W', color = [1, 0.5, 0]") * (4.0 * PI) as f32;
+    assert!(per_steradian.abs_diff_eq(Rgb::new(60.0, 30.0, 0.0), 1e-4));
+    assert_eq!(point_intensity("intensity = [3, 2, 1]"), Rgb::new(3.0, 2.0, 1.0));
+    let halved = scene("luminous_efficacy = 100\nlights.a.ambient.radiance = '20 nit'");
+    assert_eq!(halved.lights[0].light, Light::Ambient { radiance: Rgb::splat(0.2) });
+}
+
+#[test]
+fn a_camera_light_takes_one_of_three_quantities() {
+    let amount = |keys: &str| {
+        let text = format!("lights.head.camera = {{ {keys} }}");
+        match scene(&text).lights[0].light {
+            Light::Camera { amount } => amount,
+            _ => panic!("a camera light"),
+        }
+    };
+    let three = Rgb::splat(3.0);
+    assert_eq!(amount("irradiance = 3"), CameraLightAmount::Irradiance(three));
+    assert_eq!(amount("intensity = '3 W/sr'"), CameraLightAmount::Intensity(three));
+    let CameraLightAmount::Intensity(i) = amount("power = 12") else { panic!("an intensity") };
+    assert!((f64::from(i.x) - 3.0 / PI).abs() < 1e-6);
+    assert!(complaint("lights.h.camera = { power = 1, intensity = 1 }").contains("one too many"));
+}
+
+#[test]
+fn instances_repeat_after_the_originals_transform() {
+    let scene = scene(
+        "surfaces.ball = { sphere = {}, transform = [{ translate = [1, 0, 0] }] }
+        instances.copy = { of = 'ball', material = 'red', transform = [{ scale = 2 }] }
+        materials.red.lambert = {}",
+    );
+    let [ball, copy] = scene.surfaces.as_slice() else { panic!("two surfaces") };
+    assert_eq!((copy.name.as_str(), &copy.shape), ("copy", &ball.shape));
+    assert_eq!(copy.transform.transform_point3(DVec3::ZERO), DVec3::new(2.0, 0.0, 0.0));
+    assert_ne!(ball.material, copy.material);
+}
+
+#[test]
+fn every_complaint_has_its_line_its_path_and_a_hint() {
+    let light = "[lights.key.point]\nposition = [0, 0, 1]\n";
+    assert_eq!(
+        complaint(&format!("{light}power = 6\ncolour = 'red'")),
+        "scene.toml:4:1: unknown field \"colour\" in lights.key.point; did you mean \"color\"?"
+    );
+    assert_eq!(
+        complaint("[lights.key.pont]"),
+        "scene.toml:1:13: unknown choice \"pont\" in lights.key; did you mean \"point\"?"
+    );
+    assert_eq!(
+        complaint(&format!("{light}power = '3 lx'")),
+        "scene.toml:3:9: lights.key.point.power needs W or lm, not lx"
+    );
+    assert_eq!(
+        complaint(&format!("{light}power = 3\nintensity = 4")),
+        "scene.toml:4:13: lights.key.point.intensity is one too many: give power or intensity, not both"
+    );
+    assert_eq!(
+        complaint(light),
+        "scene.toml:1:1: lights.key.point needs power (W, lm) or intensity (W/sr, cd)"
+    );
+    assert_eq!(
+        complaint("surfaces.a = { sphere = {}, material = 'blu' }\nmaterials.blue.lambert = {}"),
+        "scene.toml:1:40: surfaces.a.material needs the name of a material, not \"blu\"; \
+         did you mean \"blue\"?"
+    );
+    assert_eq!(
+        complaint("[[surfaces.ball]]\nmaterial = 'red'"),
+        "scene.toml:2:1: surfaces.ball is written [[surfaces.ball]]"
+    );
+    let unquoted = scene_with("[lights.key.point]\npower = 60W", &[]).unwrap_err().to_string();
+    assert!(unquoted.ends_with("in quotation marks: \"60 W\""), "{unquoted}");
+    assert_eq!(
+        complaint("film.samples = 1.5"),
+        "scene.toml:1:16: film.samples needs a whole number, not floating point 1.5"
+    );
+    assert_eq!(
+        complaint("surfaces.a = { sphere = {}, transform = [{ scale = 1 }, { scale = 0 }] }"),
+        "scene.toml:1:67: surfaces.a.transform[1].scale must not be 0: nothing would be left"
+    );
+}
+
+#[test]
+fn things_come_in_the_order_of_the_text() {
+    let scene = scene("[surfaces]\nz.sphere = {}\na.sphere = {}\n[surfaces.m.sphere]");
+    let names: Vec<_> = scene.surfaces.iter().map(|surface| surface.name.as_str()).collect();
+    assert_eq!(names, ["z", "a", "m"]);
+}
+
+#[test]
+fn a_missing_file_is_reported_where_it_is_named() {
+    let error = scene_with("[models.dragon]\nfile = 'dragon.ply'", &[]).unwrap_err();
+    assert_eq!((error.place.line, error.place.column), (Some(2), Some(8)));
+    assert!(error.message.starts_with("models.dragon.file: "), "{}", error.message);
+    assert!(error.message.ends_with("dragon.ply: no such file"), "{}", error.message);
+}
+
+#[test]
+fn what_is_out_of_range_is_refused() {
+    for wrong in [
+        "camera.perspective = { position = [0, 0, 0] }",
+        "camera.perspective = { position = [0, 0, 3], fov = 0 }",
+        "camera.perspective = { position = [0, 0, 3], fov = 180 }",
+        "camera.perspective = { position = [0, 0, 3], up = [0, 0, -2] }",
+        "camera.perspective = { position = [0, nan, 3] }",
+        "camera.perspective = { position = [0, 1e99999, 3] }",
+        "camera.thin_lens = { position = [0, 0, 3], aperture = 0 }",
+        "camera = { perspective = { position = [0, 0, 3] }, orthographic = {} }",
+        "film.resolution = [0, 1]",
+        "film.resolution = [65536, 65536]",
+        "film.resolution = [65537, 1]",
+        "film.samples = 0",
+        "film.samples = 9223372036854775807",
+        "film.seed = -1",
+        "film.exposure = inf",
+        "film.filter = { gaussian = { sigma = 0 } }",
+        "film.filter = { box = {}, tent = {} }",
+        "luminous_efficacy = 0",
+        "background = [-1, 0, 0]",
+        "background = '#fff8'",
+        "shadows = { t_range = { epsilon = 0 } }",
+        "materials.a.lambert.reflectance = 1.01",
+        "materials.a.lambert.reflectance = [0, 0, -0.1]",
+        "materials.a.lambert.alpha_cutoff = 2",
+        "materials.a.lambert.reflectance = { checker = { colors = ['red'] } }",
+        "surfaces.a = {}",
+        "surfaces.a = { sphere = {}, disk = {} }",
+        "surfaces.a.sphere.radius = -1",
+        "surfaces.a.plane.normal = [0, 0, 0]",
+        "surfaces.a.quad = { edge_u = [1, 0, 0], edge_v = [-2, 0, 0] }",
+        "surfaces.a.box = { min = [0, 0, 0], max = [1, 1, 0] }",
+        "surfaces.a.cone = { base = [0, 0, 1], apex = [0, 0, 1] }",
+        "surfaces.a.mesh = { vertices = [[0, 0, 0]], triangles = [[0, 0, 1]] }",
+        "surfaces.a.mesh = { vertices = [[0, 0, 0]], triangles = [[0, 0]] }",
+        "surfaces.a.mesh = { vertices = [[0, 0, 0]], triangles = [] }",
+        "surfaces.a.mesh = { vertices = [[0, 0, 0]], triangles = [[0, 0, 0]], normals = [] }",
+        "surfaces.a = { sphere = {}, transform = [{ scale = [1, 0, 1] }] }",
+        "surfaces.a = { sphere = {}, transform = [{ matrix = [[1, 0, 0, 0], [2, 0, 0, 0], [0, 0, 1, 0]] }] }",
+        "surfaces.a = { sphere = {}, transform = [{ scale = 1e15 }, { translate = [1e15, 0, 0] }, { scale = 10 }] }",
+        "surfaces.a.sphere = {}\nmodels.a.file = 'a.ply'",
+        "instances.a.of = 'b'",
+        "lights.a.directional = { direction = [0, 0, 0], irradiance = 1 }",
+        "lights.a.directional = { direction = [0, 0, 1], irradiance = -1 }",
+        "lights.a.directional = { direction = [0, 0, 1], irradiance = 1e39 }",
+        "lights.a.ambient = { radiance = '1 nit', color = 'black' }",
+        "lights.a.spot = { position = [0, 0, 0], intensity = 1 }",
+        "lights.a.spot = { position = [0, 0, 0], target = [0, 0, 0], intensity = 1 }",
+        "lights.a.spot = { position = [0, 0, 0], target = [0, 0, 1], intensity = 1, outer_angle = 91 }",
+        "lights.a.spot = { position = [0, 0, 0], target = [0, 0, 1], intensity = 1, inner_angle = 45 }",
+    ] {
+        let error = scene_with(wrong, &[]).expect_err(wrong);
+        assert!(error.place.line.is_some() && error.place.column.is_some(), "{wrong}: {error}");
+    }
+}
+
+#[test]
+fn overrides_lie_over_the_text_and_name_themselves() {
+    let text = "[film]\nsamples = 4\n[lights.key.point]\nposition = [0, 0, 1]\npower = 1\n";
+    let set = |overrides: &[&str]| scene_with(text, overrides).unwrap();
+    assert_eq!(set(&["film.samples=64", "film.samples = 65"]).film.samples, 65);
+    assert_eq!(set(&["film={}"]).film.samples, 16, "a value replaces what is there");
+    assert_eq!(set(&["background=#fff"]).background, Rgb::ONE);
+    assert_eq!(set(&["surfaces.a.sphere={}"]).surfaces.len(), 1);
+    let Light::Point { intensity, .. } = set(&["lights.key.point.power=683 lm"]).lights[0].light
+    else {
+        panic!("a point")
+    };
+    assert!(intensity.abs_diff_eq(Rgb::splat(1.0 / (4.0 * PI) as f32), 1e-7));
+    assert_eq!(
+        complaint_with(text, &["film.seed=1", "film.sample=3"]),
+        "-D film.sample=3: unknown field \"sample\" in film; did you mean \"samples\"?"
+    );
+    assert_eq!(
+        complaint_with(text, &["film.samples=0"]),
+        "-D film.samples=0: film.samples must be a whole number from 1 to 16777216, not 0"
+    );
+    let error = scene_with(text, &["lights.kye.point.power=3"]).unwrap_err();
+    assert_eq!(error.help.as_deref(), Some("did you mean \"key\" where it says \"kye\"?"));
+    for wrong in ["", "=", "film", "film.=3", "film.samples.x=3", "a\nb=3"] {
+        assert!(scene_with(text, &[wrong]).is_err(), "{wrong}");
+    }
+}
+
+#[test]
+fn overrides_leave_the_lines_of_the_text_alone() {
+    let text = "[film]\nsamples = 4\nseeed = 3\n";
+    let start = "scene.toml:3:1: unknown field \"seeed\" in film";
+    assert!(complaint_with(text, &["film.samples=9"]).starts_with(start));
+}
+
+#[test]
+fn an_override_reaches_into_lists() {
+    let text = "surfaces.a = { sphere = {}, transform = [{ scale = 2 }] }";
+    let scaled = scene_with(text, &["surfaces.a.transform.0.scale=3"]).unwrap();
+    assert_eq!(scaled.surfaces[0].transform.transform_point3(DVec3::X), DVec3::X * 3.0);
+    assert!(complaint_with(text, &["surfaces.a.transform.1.scale=3"]).contains("list of 1"));
+}
+
+#[test]
+fn text_edges_do_not_break_the_reader() {
+    assert_eq!(scene("[film]\r\nsamples = 3\r\n").film.samples, 3);
+    let marked = text(b"\xef\xbb\xbffilm.samples = 3".to_vec(), "a").unwrap();
+    assert_eq!(scene(&marked).film.samples, 3);
+    let latin1 = text(b"up = 'z'\n# \xe9".to_vec(), "a.toml").unwrap_err();
+    assert_eq!(
+        latin1.to_string().lines().next(),
+        Some("a.toml:2: byte 11: this is not UTF-8 text")
+    );
+    for broken in ["\0", "a = \"\0\"", "film.samples = 1\u{1b}", "[", "= 3", "\u{feff}\u{feff}x"] {
+        let error = scene_with(broken, &[]).unwrap_err().to_string();
+        assert!(!error.contains(['\0', '\u{1b}']), "{error:?}");
+    }
+}
+
+#[test]
+fn depth_and_length_neither_overflow_nor_hang() {
+    let deep = |open: &str| format!("a = {}", open.repeat(100_000));
+    assert!(scene_with(&deep("["), &[]).is_err());
+    assert!(scene_with(&deep("{a="), &[]).is_err());
+    assert!(scene_with(&format!("{}a = 1", "a.".repeat(100_000)), &[]).is_err());
+    assert!(scene_with(&format!("[{}a]", "a.".repeat(100_000)), &[]).is_err());
+    assert!(scene_with("", &[&format!("{}a=1", "a.".repeat(100_000))]).is_err());
+    assert!(scene_with("", &[&deep("[")]).is_err());
+    let reopened: String = (0..20_000)
+        .map(|i| format!("[surfaces.s{i}.sphere]\n"))
+        .chain((0..20_000).map(|i| format!("[surfaces.s{i}]\n")))
+        .collect();
+    assert_eq!(scene(&reopened).surfaces.len(), 20_000);
+    for bulky in [" ".repeat(1 << 24), format!("{}a = 1\n", "a.".repeat(70)).repeat(20_000)] {
+        assert!(complaint(&bulky).ends_with("1024 MiB are allowed"));
+    }
+    let long = scene_with(&format!("film.samples = '{}'", "x".repeat(1 << 22)), &[]).unwrap_err();
+    assert!(long.to_string().len() < 1000, "{}", long.to_string().len());
+    let long = scene_with(&format!("{} = 1", "x".repeat(1 << 22)), &[]).unwrap_err();
+    assert!(long.to_string().len() < 1000, "{}", long.to_string().len());
+}
+
+#[test]
+fn the_schema_describes_every_key_and_its_units() {
+    let schema = schema();
+    let keys = schema["properties"].as_object().unwrap();
+    for key in ["up", "camera", "cameras", "film", "materials", "surfaces", "models", "lights"] {
+        assert!(keys.contains_key(key), "{key}");
+    }
+    let undescribed = |schema: &serde_json::Value| schema["description"].as_str().is_none();
+    let missing: Vec<_> = keys.iter().filter(|(_, value)| undescribed(value)).collect();
+    assert!(missing.is_empty(), "{missing:?}");
+    let power = &schema["$defs"]["Power"];
+    assert!(power["examples"].as_array().unwrap().contains(&"800 lm".into()), "{power}");
+    assert_eq!(schema["additionalProperties"], serde_json::Value::Bool(false));
 }

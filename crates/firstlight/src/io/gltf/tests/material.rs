@@ -1,0 +1,135 @@
+use super::*;
+use crate::scene::description::{Alpha, Material, Pattern, Sampling, Texture, Wrap};
+use glam::Vec2;
+
+fn material(value: Value) -> Material {
+    let mut document = triangle();
+    document["materials"][0] = value;
+    read(&document).materials[0].clone()
+}
+
+/// The material with a texture of one red pixel, and the scene's warnings.
+fn textured(info: Value, change: impl Fn(&mut Value)) -> (Material, Vec<String>) {
+    let mut picture = std::io::Cursor::new(Vec::new());
+    let red = image::RgbaImage::from_pixel(1, 1, image::Rgba([255, 0, 0, 255]));
+    red.write_to(&mut picture, image::ImageFormat::Png).unwrap();
+    let mut document = triangle();
+    let uvs = add_accessor(&mut document, &floats(&[0.5; 6]), 5126, 3, "VEC2");
+    document["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = json!(uvs);
+    document["images"] = json!([{ "uri": buffer(picture.get_ref())["uri"] }]);
+    document["samplers"] = json!([{ "wrapS": 33648, "wrapT": 33071, "magFilter": 9728 }]);
+    document["textures"] = json!([{ "source": 0, "sampler": 0 }]);
+    document["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = info;
+    change(&mut document);
+    let (scene, warnings) = try_read(&document);
+    (scene.unwrap().materials[0].clone(), warnings)
+}
+
+#[test]
+fn without_a_material_a_surface_is_white() {
+    let mut document = triangle();
+    document["meshes"][0]["primitives"][0].as_object_mut().unwrap().remove("material");
+    let scene = read(&document);
+    assert_eq!(scene.materials[0].reflectance.factor, [1.0; 4]);
+    assert!(!scene.materials[0].double_sided);
+}
+
+#[test]
+fn factors_alpha_and_emission_are_taken_over() {
+    let material = material(json!({
+        "name": "lamp", "doubleSided": true, "alphaMode": "MASK", "alphaCutoff": 0.25,
+        "pbrMetallicRoughness": { "baseColorFactor": [0.1, 0.2, 0.3, 0.4], "metallicFactor": 0 },
+        "emissiveFactor": [1, 0.5, 0],
+        "extensions": { "KHR_materials_emissive_strength": { "emissiveStrength": 8 } },
+    }));
+    assert_eq!((material.name.as_str(), material.double_sided), ("lamp", true));
+    assert_eq!(material.alpha, Alpha::Mask { cutoff: 0.25 });
+    assert_eq!(material.reflectance.factor, [0.1, 0.2, 0.3, 0.4]);
+    assert_eq!(material.emission.factor, [8.0, 4.0, 0.0, 1.0]);
+}
+
+#[test]
+fn unlit_colour_is_emission_and_keeps_its_alpha() {
+    let material = material(json!({
+        "alphaMode": "BLEND",
+        "pbrMetallicRoughness": { "baseColorFactor": [0.1, 0.2, 0.3, 0.4] },
+        "extensions": { "KHR_materials_unlit": {} },
+    }));
+    assert_eq!(material.reflectance.factor, [0.0, 0.0, 0.0, 0.4]);
+    assert_eq!(material.emission.factor, [0.1, 0.2, 0.3, 0.4]);
+    assert_eq!(material.alpha, Alpha::Blend);
+}
+
+#[test]
+fn specular_glossiness_gives_its_diffuse_colour_and_metal_is_noted() {
+    let mut document = triangle();
+    document["materials"][0] = json!({ "extensions": { "KHR_materials_pbrSpecularGlossiness": {
+        "diffuseFactor": [0.5, 0.25, 0.125, 1] } } });
+    let (scene, warnings) = try_read(&document);
+    let factor = scene.unwrap().materials[0].reflectance.factor;
+    assert_eq!(factor, [0.5, 0.25, 0.125, 1.0]);
+    assert!(warnings[0].starts_with("m.gltf: materials[0]: uses metal"), "{warnings:?}");
+}
+
+#[test]
+fn textures_bring_their_sampler() {
+    let (material, warnings) = textured(json!({ "index": 0 }), |_| {});
+    assert_eq!(warnings, [""; 0]);
+    let Pattern::Image { image, uv_set, wrap, sampling, .. } = material.reflectance.pattern else {
+        panic!("a picture")
+    };
+    assert_eq!((image, uv_set), (0, 0));
+    assert_eq!((wrap, sampling), ([Wrap::Mirror, Wrap::Clamp], Sampling::Nearest));
+}
+
+#[test]
+fn texture_transforms_hold_for_v_up() {
+    let at = |transform: Value, uv: Vec2| {
+        let info = json!({ "index": 0, "extensions": { "KHR_texture_transform": transform } });
+        match textured(info, |_| {}).0.reflectance.pattern {
+            Pattern::Image { transform, .. } => transform.transform_point2(uv),
+            _ => panic!("a picture"),
+        }
+    };
+    let near = |a: Vec2, b: Vec2| assert!(a.abs_diff_eq(b, 1e-6), "{a} is not {b}");
+    // v up 0.9 is v down 0.1; scaled by 2 and shifted by 0.3 that is 0.5, v up 0.5.
+    let scaled = json!({ "offset": [0.1, 0.3], "scale": [3, 2] });
+    near(at(scaled, Vec2::new(0.2, 0.9)), Vec2::new(0.7, 0.5));
+    // About the picture's upper left, counter-clockwise as seen: what lay to the right comes to lie above.
+    let turned = json!({ "rotation": std::f32::consts::FRAC_PI_2 });
+    near(at(turned, Vec2::new(1.0, 1.0)), Vec2::new(0.0, 2.0));
+    // Scaled first, then turned.
+    let both = json!({ "rotation": std::f32::consts::FRAC_PI_2, "scale": [2, 1] });
+    near(at(both, Vec2::new(1.0, 1.0)), Vec2::new(0.0, 3.0));
+    let set = json!({ "texCoord": 0 });
+    near(at(set, Vec2::new(0.2, 0.9)), Vec2::new(0.2, 0.9));
+}
+
+#[test]
+fn broken_pictures_are_named_and_replaced_by_something_visible() {
+    let checker = |texture: &Texture| matches!(texture.pattern, Pattern::Checker { .. });
+    let cases = [
+        (json!({ "uri": "gone.png" }), "images[0]: gone.png: no such file; a checkerboard"),
+        (json!({ "uri": "data:;base64,AAAA" }), "images[0]: "),
+        (json!({ "bufferView": 9 }), "images[0]: bufferView 9 does not exist"),
+        (json!({ "uri": "../../../../etc/passwd" }), "images[0]: "),
+        (json!({}), "images[0]: has neither uri nor bufferView"),
+    ];
+    for (image, text) in cases {
+        let (material, warnings) =
+            textured(json!({ "index": 0 }), |document| document["images"][0] = image.clone());
+        assert!(checker(&material.reflectance), "{image}");
+        assert_eq!(material.reflectance.factor, [1.0; 4]);
+        assert!(warnings.len() == 1 && warnings[0].contains(text), "{warnings:?}");
+    }
+    let basisu = json!([{ "extensions": { "KHR_texture_basisu": { "source": 0 } } }]);
+    let (material, warnings) =
+        textured(json!({ "index": 0 }), |document| document["textures"] = basisu.clone());
+    assert!(checker(&material.reflectance) && warnings[0].contains("KTX2"), "{warnings:?}");
+}
+
+#[test]
+fn a_mesh_without_the_texture_coordinates_is_noted() {
+    let (_, warnings) = textured(json!({ "index": 0, "texCoord": 1 }), |_| {});
+    assert!(warnings[0].contains("meshes[0].primitives[0]: has not the texture coordinates"));
+}

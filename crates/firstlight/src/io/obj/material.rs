@@ -1,0 +1,164 @@
+//! MTL materials as matte ones.
+
+use super::mtl::{Library, Map, Mtl};
+use crate::color::Rgb;
+use crate::diagnostic::{Diagnostic, Place};
+use crate::io::pictures::Pictures;
+use crate::io::text::{Tally, counted, did_you_mean, quoted};
+use crate::io::triangles::default_material;
+use crate::io::{FileAccess, Warnings};
+use crate::scene::description::{Alpha, Material, SceneDescription, Texture};
+use indexmap::IndexMap;
+
+/// Adds the materials `used` (by name, with their first place) to `scene`, in their order.
+///
+/// `colored`: the vertices have colours, which multiply the reflectance.
+pub(super) fn add_materials(
+    scene: &mut SceneDescription,
+    used: &IndexMap<String, Place>,
+    library: &Library,
+    colored: bool,
+    access: &FileAccess,
+    warnings: &mut Warnings,
+) {
+    let mut maker =
+        Maker { pictures: Pictures::new(access), warnings, tallies: Tallies::default() };
+    for name in used.keys() {
+        let mut material = match library.materials.get(name) {
+            Some(mtl) => maker.material(name, mtl),
+            None if colored => Material { name: name.clone(), ..Material::matte("", Rgb::ONE) },
+            None => Material { name: name.clone(), ..default_material() },
+        };
+        if name.is_empty() {
+            material.name = default_material().name;
+        }
+        material.reflectance.vertex_colors = colored;
+        scene.materials.push(material);
+    }
+    let Maker { pictures, warnings, tallies } = maker;
+    scene.images = pictures.images;
+    tallies.warn(warnings);
+    warn_undescribed(used, library, warnings);
+}
+
+/// One warning for all materials that no material file describes.
+fn warn_undescribed(used: &IndexMap<String, Place>, library: &Library, warnings: &mut Warnings) {
+    let known = |name: &String| name.is_empty() || library.materials.contains_key(name);
+    let mut unknown = used.iter().filter(|(name, _)| !known(name));
+    let Some((first, place)) = unknown.next() else { return };
+    let more = match unknown.count() {
+        0 => String::new(),
+        more => format!(" and {} more", counted(more, "material")),
+    };
+    let message = format!(
+        "no material file describes {}{more}: shown in matte grey",
+        quoted(first.as_bytes())
+    );
+    let help = did_you_mean(first, library.materials.keys().map(String::as_str));
+    warnings.push(Diagnostic { message, place: place.clone(), help });
+}
+
+/// Makes materials and counts what cannot be shown.
+struct Maker<'a> {
+    pictures: Pictures<'a>,
+    warnings: &'a mut Warnings,
+    tallies: Tallies,
+}
+
+#[derive(Default)]
+struct Tallies {
+    bright: Tally,
+    black: Tally,
+    invisible: Tally,
+    opacity_map: Tally,
+    glowing: Tally,
+    more_than_matte: Tally,
+}
+
+impl Maker<'_> {
+    fn material(&mut self, name: &str, mtl: &Mtl) -> Material {
+        let reflectance = self.diffuse(mtl);
+        let opacity = self.opacity(mtl);
+        let reflectance = self.texture(reflectance, opacity, mtl.diffuse_map.as_ref());
+        let cut_out = self.has_cut_outs(mtl, &reflectance);
+        let emission = mtl.emission.unwrap_or(match mtl.emission_map {
+            Some(_) => Rgb::ONE,
+            None => Rgb::ZERO,
+        });
+        let emission = emission.max(Rgb::ZERO);
+        let map = mtl.emission_map.as_ref().filter(|_| emission != Rgb::ZERO);
+        self.tallies.glowing.add_if(emission != Rgb::ZERO, || mtl.place.clone());
+        self.tallies.more_than_matte.add_if(mtl.more_than_matte, || mtl.place.clone());
+        Material {
+            reflectance,
+            emission: self.texture(emission, 1.0, map),
+            alpha: if opacity < 1.0 || cut_out { Alpha::Blend } else { Alpha::Opaque },
+            ..Material::matte(name, Rgb::ZERO)
+        }
+    }
+
+    fn texture(&mut self, color: Rgb, alpha: f32, map: Option<&Map>) -> Texture {
+        let factor = color.extend(alpha).to_array();
+        let Some(map) = map else {
+            return Texture { factor, ..Texture::constant(color) };
+        };
+        let (placed, place) = ((map.transform, map.wrap), map.place.clone());
+        self.pictures.texture(&map.file, factor, placed, place, self.warnings)
+    }
+
+    /// Kd; if it is not given, white under a picture and grey otherwise.
+    fn diffuse(&mut self, mtl: &Mtl) -> Rgb {
+        let with_map = mtl.diffuse_map.is_some();
+        let color = mtl.diffuse.unwrap_or(Rgb::splat(if with_map { 1.0 } else { 0.5 }));
+        self.tallies.bright.add_if(color.max_element() > 1.0, || mtl.place.clone());
+        let hidden = with_map && color == Rgb::ZERO;
+        self.tallies.black.add_if(hidden, || mtl.place.clone());
+        if hidden { Rgb::ONE } else { color.clamp(Rgb::ZERO, Rgb::ONE) }
+    }
+
+    /// d, or 1 - Tr. Many programs write `Tr 1` for solid surfaces, so that alone hides nothing.
+    fn opacity(&mut self, mtl: &Mtl) -> f32 {
+        let invisible = mtl.opacity.is_none() && mtl.transparency == Some(1.0);
+        self.tallies.invisible.add_if(invisible, || mtl.place.clone());
+        match (mtl.opacity, mtl.transparency) {
+            (Some(opacity), _) => opacity,
+            (None, Some(transparency)) if !invisible => 1.0 - transparency,
+            _ => 1.0,
+        }
+    }
+
+    /// Whether map_d names the same picture as map_Kd, and that is transparent somewhere.
+    fn has_cut_outs(&mut self, mtl: &Mtl, reflectance: &Texture) -> bool {
+        let Some(map) = &mtl.opacity_map else { return false };
+        let same = mtl.diffuse_map.as_ref().is_some_and(|diffuse| diffuse.file == map.file);
+        self.tallies.opacity_map.add_if(!same, || map.place.clone());
+        same && self.pictures.is_transparent(reflectance)
+    }
+}
+
+impl Tallies {
+    fn warn(self, warnings: &mut Warnings) {
+        let materials = |count| counted(count, "material");
+        self.bright.warn(warnings, |count| {
+            format!("{} with Kd above 1, clamped: nothing reflects more than all", materials(count))
+        });
+        self.black.warn(warnings, |count| {
+            format!(
+                "{} with a picture and black Kd, which would hide it: taken as white",
+                materials(count)
+            )
+        });
+        self.invisible.warn(warnings, |count| {
+            format!("{} with Tr 1, taken as solid (d 0 makes them invisible)", materials(count))
+        });
+        self.opacity_map.warn(warnings, |count| {
+            format!("{} with a map_d that is not their map_Kd: shown solid", materials(count))
+        });
+        self.glowing.warn(warnings, |count| {
+            format!("{} with Ke: they glow, but light nothing else", materials(count))
+        });
+        self.more_than_matte.warn(warnings, |count| {
+            format!("{} with gloss, metal or refraction: shown matte", materials(count))
+        });
+    }
+}

@@ -1,0 +1,222 @@
+use super::*;
+use crate::color::Rgb;
+use crate::scene::description::{Alpha, Material, Pattern, Wrap};
+use glam::Vec2;
+use std::path::Path;
+
+const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+
+fn load_in(folder: &Path, text: &str) -> (Result<SceneDescription>, Warnings) {
+    let mut warnings = Warnings::new();
+    let access = FileAccess::beside(&folder.join("x.obj"), &[]);
+    let scene = read(text.as_bytes(), "x.obj", &access, &mut warnings);
+    (scene, warnings)
+}
+
+fn load(text: &str) -> (SceneDescription, Vec<String>) {
+    let (scene, warnings) = load_in(Path::new(""), text);
+    (scene.unwrap(), warnings.iter().map(ToString::to_string).collect())
+}
+
+fn error(text: &str) -> String {
+    load_in(Path::new(""), text).0.expect_err("must be refused").to_string()
+}
+
+/// The materials of a triangle per name, described by the text of a material file.
+fn materials(mtl: &str, names: &[&str]) -> (Vec<Material>, Vec<String>) {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("my materials.mtl"), mtl).unwrap();
+    write_picture(&folder.path().join("red.png"), [255, 0, 0, 255]);
+    write_picture(&folder.path().join("leaf.png"), [0, 255, 0, 0]);
+    let faces: String = names.iter().map(|name| format!("usemtl {name}\nf 1 2 3\n")).collect();
+    let text = format!("mtllib my materials.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n{faces}");
+    let (scene, warnings) = load_in(folder.path(), &text);
+    (scene.unwrap().materials, warnings.iter().map(ToString::to_string).collect())
+}
+
+fn write_picture(path: &Path, color: [u8; 4]) {
+    image::RgbaImage::from_pixel(1, 1, image::Rgba(color)).save(path).unwrap();
+}
+
+#[test]
+fn indices_of_every_form() {
+    for face in
+        ["f 1 2 3", "f 1/1 2/1 3/1", "f 1//1 2//1 3//1", "f 1/1/1 2/1/1 3/1/1", "f -3 -2 -1"]
+    {
+        let (scene, warnings) =
+            load(&format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0.5 1\nvn 0 0 2\n{face}\n"));
+        let mesh = &scene.meshes[0];
+        assert_eq!(mesh.triangles, [[0, 1, 2]], "{face}");
+        assert_eq!(mesh.normals.is_empty(), face.split('/').count() < 6, "{face}");
+        assert!(mesh.normals.iter().all(|normal| normal.to_array() == [0.0, 0.0, 1.0]));
+        assert_eq!(
+            mesh.uvs.first().map(|set| set[0]),
+            face.contains("/1").then_some(Vec2::new(0.5, 1.0)).filter(|_| !face.contains("//"))
+        );
+        assert!(warnings.is_empty(), "{warnings:?}");
+    }
+}
+
+#[test]
+fn text_of_any_shape() {
+    let joined =
+        "\u{feff}# a comment \\\r\nv 0 0 0 # here\r\nv 1 0 \\\r\n 0\r\n\tv 0 1 0\rf 1 2\\\n 3";
+    let (scene, warnings) = load(joined);
+    assert_eq!(scene.meshes[0].triangles, [[0, 1, 2]]);
+    assert_eq!(scene.meshes[0].positions[1].to_array(), [1.0, 0.0, 0.0]);
+    assert!(warnings.is_empty(), "{warnings:?}");
+}
+
+#[test]
+fn negative_numbers_count_from_where_they_stand() {
+    let (scene, _) = load(&format!("{TRIANGLE}v 5 0 0\nv 6 0 0\nv 5 1 0\nf -3 -2 -1\nv 9 9 9\n"));
+    assert_eq!(scene.meshes[0].positions[3].to_array(), [5.0, 0.0, 0.0]);
+}
+
+#[test]
+fn wrong_lines_are_named() {
+    let range = error(&TRIANGLE.replace("f 1 2 3", "f 1 2 4"));
+    assert_eq!(range, "x.obj:4: vertex 4 does not exist, only 1 to 3\n    4 | f 1 2 4");
+    assert!(error(&TRIANGLE.replace("f 1 2 3", "f 0 1 2")).contains("numbers start at 1"));
+    assert!(error(&TRIANGLE.replace("f 1 2 3", "f -4 1 2")).contains("only 3 before"));
+    assert!(
+        error(&TRIANGLE.replace("f 1 2 3", "f 1/1 2 3")).contains("texture coordinate 1 does not")
+    );
+    assert!(
+        error(&TRIANGLE.replace("f 1 2 3", "f 1 2 18446744073709551615")).contains("as a vertex")
+    );
+    assert!(
+        error(&TRIANGLE.replace("f 1 2 3", "f 1 2 9223372036854775807")).contains("only 1 to 3")
+    );
+    assert!(
+        error(&TRIANGLE.replace("f 1 2 3", "f 1 2 -9223372036854775808")).contains("only 3 before")
+    );
+    assert!(error(&TRIANGLE.replace("f 1 2 3", "f 1/1/1/1 2 3")).contains("x.obj:4"));
+    let comma = error(&TRIANGLE.replace("v 1 0 0", "v 1,5 0 0"));
+    assert!(
+        comma.contains("x.obj:2: cannot read \"1,5\"") && comma.contains("no comma"),
+        "{comma}"
+    );
+    assert!(error("v 1 2\n").contains("3 numbers expected here, but only 2 found"));
+    assert!(error("v 1 2 3\n").contains("no triangles"));
+}
+
+#[test]
+fn polygons_become_triangles() {
+    let arrow = "v 0 0 0\nv 4 -3 0\nv 1 0 0\nv 4 3 0\nf 2 3 4 1\n";
+    assert_eq!(area(&load(arrow).0), 3.0, "a quad that is not convex");
+    let letter = "v 0 0 0\nv 3 0 0\nv 3 3 0\nv 2 3 0\nv 2 1 0\nv 1 1 0\nv 1 3 0\nv 0 3 0\nf 1 2 3 4 5 6 7 8\n";
+    assert_eq!(area(&load(letter).0), 7.0, "the letter U");
+    let turned = letter.replace("f 1 2 3 4 5 6 7 8", "f 8 7 6 5 4 3 2 1");
+    assert_eq!(area(&load(&turned).0), -7.0, "its back");
+    let corners = (0..70_000).map(|_| " 1").collect::<String>();
+    assert!(error(&format!("v 0 0 0\nf{corners}\n")).contains("more than 65536 corners"));
+}
+
+/// The area of all triangles, seen from +z; fails if two of them face opposite sides.
+fn area(scene: &SceneDescription) -> f32 {
+    let mesh = &scene.meshes[0];
+    let areas = mesh.triangles.iter().map(|triangle| {
+        let [a, b, c] = triangle.map(|i| mesh.positions[i as usize]);
+        (b - a).cross(c - a).z / 2.0
+    });
+    let areas: Vec<f32> = areas.collect();
+    assert!(areas.iter().all(|area| area.signum() == areas[0].signum()), "{areas:?}");
+    areas.iter().sum()
+}
+
+#[test]
+fn smoothing_groups_make_normals() {
+    let roof = "v -1 0 0\nv -1 1 0\nv 0 0 1\nv 0 1 1\nv 1 0 0\nv 1 1 0\nvt 0 0\nvt 1 1\n\
+        GROUP\nf 1/1 3/1 4/1 2/1\nf 3/2 5/2 6/2 4/2\n";
+    let smooth = load(&roof.replace("GROUP", "s 1")).0;
+    let mesh = &smooth.meshes[0];
+    let ridge = mesh.positions.iter().zip(&mesh.normals).filter(|(position, _)| position.z == 1.0);
+    let normals: Vec<_> = ridge.map(|(_, normal)| *normal).collect();
+    assert_eq!(normals.len(), 4, "split by texture coordinates");
+    assert!(normals.iter().all(|normal| (normal.z.abs() - 1.0).abs() < 1e-6), "{normals:?}");
+    assert!(load(&roof.replace("GROUP", "s off")).0.meshes[0].normals.is_empty());
+}
+
+#[test]
+fn vertices_have_colors() {
+    let (scene, warnings) = load("v 0 0 0\nv 1 0 0 0.5 0.25 2\nv 0 1 0 1\nf 1 2 3\n");
+    assert_eq!(scene.meshes[0].colors, [[1.0; 4], [0.5, 0.25, 1.0, 1.0], [1.0; 4]]);
+    assert!(scene.materials[0].reflectance.vertex_colors);
+    assert!(warnings[0].starts_with("x.obj:2: 1 vertex color outside 0..1"), "{warnings:?}");
+}
+
+#[test]
+fn what_is_not_shown_is_counted() {
+    let text = format!("{TRIANGLE}l 1 2\np 1\nusemlt x\ncurv 0\nv nan 0 0\nf 1 2 4\nf 1 1 2\n");
+    let (scene, warnings) = load(&text);
+    assert_eq!(scene.meshes[0].triangles.len(), 1);
+    assert!(scene.meshes[0].positions.iter().all(|position| position.is_finite()));
+    assert_eq!(warnings.len(), 3, "{warnings:?}");
+    assert!(warnings[0].starts_with("x.obj:10: 2 faces without area"), "{warnings:?}");
+    assert!(warnings[2].starts_with("x.obj:7: 2 lines with an unknown keyword"), "{warnings:?}");
+}
+
+#[test]
+fn every_material_is_a_surface() {
+    let text =
+        format!("{TRIANGLE}usemtl Wood\nf 1 2 3\nusemtl Iron\nf 1 2 3\nusemtl Wood\nf 3 2 1\n");
+    let (scene, warnings) = load(&text);
+    let names: Vec<&str> = scene.materials.iter().map(|material| material.name.as_str()).collect();
+    assert_eq!(names, ["default", "Wood", "Iron"]);
+    assert_eq!(scene.meshes[scene.surfaces.len() - 2].triangles.len(), 2);
+    assert_eq!(warnings.len(), 1);
+    assert!(
+        warnings[0].contains("describes \"Wood\" and 1 material more: shown in"),
+        "{warnings:?}"
+    );
+}
+
+#[test]
+fn missing_material_files_are_named() {
+    let (scene, warnings) = load(&format!("mtllib no.mtl\nusemtl a\n{TRIANGLE}"));
+    assert_eq!(scene.materials[0].reflectance.factor, [0.5, 0.5, 0.5, 1.0]);
+    assert!(
+        warnings[0].starts_with("x.obj:1: cannot use the material file \"no.mtl\": no such file")
+    );
+    let (_, warnings) = load(&format!("mtllib ../../../etc/passwd\n{TRIANGLE}"));
+    assert!(
+        warnings[0].contains("not opened") || warnings[0].contains("no such file"),
+        "{warnings:?}"
+    );
+}
+
+#[test]
+fn colors_and_opacity() {
+    let mtl = "newmtl red\r\n Kd 2 0 0\r\nKs 1 1 1\nnewmtl glass\nKd 0.25\nd 0.5\nnewmtl old\nTr 1\n\
+        newmtl lamp\nKd 0 0 0\nKe 3 2 1\nwhatever 1\nnewmtl bad\nKd one two three\n";
+    let (materials, warnings) = materials(mtl, &["red", "glass", "old", "lamp", "bad"]);
+    assert_eq!(materials[0].reflectance.factor, [1.0, 0.0, 0.0, 1.0]);
+    assert_eq!(materials[1].reflectance.factor, [0.25, 0.25, 0.25, 0.5]);
+    assert_eq!(materials[1].alpha, Alpha::Blend);
+    assert_eq!(materials[2], Material::matte("old", Rgb::splat(0.5)));
+    assert_eq!(materials[3].emission.factor, [3.0, 2.0, 1.0, 1.0]);
+    assert_eq!(materials[4].reflectance.factor, [0.5, 0.5, 0.5, 1.0]);
+    assert_eq!(warnings.len(), 6, "{warnings:?}");
+    assert!(warnings[1].starts_with("my materials.mtl:14: 1 line without a readable value"));
+}
+
+#[test]
+fn pictures_and_their_options() {
+    let mtl = "newmtl a\nKd 0.5 0.5 0.5\nmap_Kd -s 2 3 1 -o 0.5 -clamp on -bm 1 red.png\n\
+        newmtl b\nKd 0 0 0\nmap_Kd C:\\somewhere\\red.png\nnewmtl c\nmap_Kd leaf.png\nmap_d leaf.png\n\
+        newmtl d\nmap_Kd no such.png\nmap_d red.png\n";
+    let (materials, warnings) = materials(mtl, &["a", "b", "c", "d"]);
+    let Pattern::Image { transform, wrap, .. } = materials[0].reflectance.pattern else {
+        panic!("no picture: {:?}", materials[0]);
+    };
+    assert_eq!(transform.transform_point2(Vec2::ONE).to_array(), [2.5, 3.0]);
+    assert_eq!(wrap, [Wrap::Clamp; 2]);
+    assert_eq!(materials[0].reflectance.factor, [0.5, 0.5, 0.5, 1.0]);
+    assert!(matches!(materials[1].reflectance.pattern, Pattern::Image { .. }));
+    assert_eq!(materials[1].reflectance.factor, [1.0; 4]);
+    assert_eq!([materials[1].alpha, materials[2].alpha], [Alpha::Opaque, Alpha::Blend]);
+    assert!(matches!(materials[3].reflectance.pattern, Pattern::Checker { .. }));
+    assert_eq!(warnings.len(), 3, "{warnings:?}");
+    assert!(warnings[0].starts_with("my materials.mtl:11: cannot use the picture \"no such.png\""));
+}

@@ -1,0 +1,93 @@
+//! The pictures that model files name: opened once each, with a stand-in for those that cannot be used.
+
+use super::text::quoted;
+use super::{FileAccess, Warnings, pixels};
+use crate::diagnostic::{Diagnostic, Place, Result};
+use crate::scene::description::{Pattern, Pixels, Sampling, Texels, Texture, UvTransform, Wrap};
+use glam::Vec2;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// The pictures of one model.
+pub(super) struct Pictures<'a> {
+    access: &'a FileAccess,
+    known: HashMap<String, Option<usize>>,
+    /// Those that could be read, as [`Pattern::Image`] numbers them.
+    pub(super) images: Vec<Arc<Pixels>>,
+}
+
+impl<'a> Pictures<'a> {
+    /// Opens pictures with `access`.
+    pub(super) fn new(access: &'a FileAccess) -> Self {
+        Self { access, known: HashMap::new(), images: Vec::new() }
+    }
+
+    /// The picture `file`, named at `place`, over the first set of texture coordinates, times `factor`.
+    ///
+    /// If it cannot be used, a warning says so and a checker of magenta and black is in its place.
+    pub(super) fn texture(
+        &mut self,
+        file: &str,
+        factor: [f32; 4],
+        (transform, wrap): (UvTransform, Wrap),
+        place: Place,
+        warnings: &mut Warnings,
+    ) -> Texture {
+        let Some(image) = self.number(file, place, warnings) else {
+            return stand_in();
+        };
+        let wrap = [wrap, wrap];
+        let sampling = Sampling::default();
+        let pattern = Pattern::Image { image, uv_set: 0, transform, wrap, sampling };
+        Texture { factor, pattern, vertex_colors: false }
+    }
+
+    /// Whether the picture that `texture` shows is transparent anywhere.
+    pub(super) fn is_transparent(&self, texture: &Texture) -> bool {
+        let Pattern::Image { image, .. } = texture.pattern else { return false };
+        self.images.get(image).is_some_and(|pixels| match &pixels.texels {
+            Texels::Srgb8(texels) => texels.iter().any(|texel| texel[3] < u8::MAX),
+            Texels::Linear(texels) => texels.iter().any(|texel| texel[3] < 1.0),
+        })
+    }
+
+    fn number(&mut self, file: &str, place: Place, warnings: &mut Warnings) -> Option<usize> {
+        if let Some(&number) = self.known.get(file) {
+            return number;
+        }
+        let number = match self.open(file) {
+            Ok(pixels) => {
+                self.images.push(Arc::new(pixels));
+                Some(self.images.len() - 1)
+            }
+            Err(error) => {
+                let message = format!(
+                    "cannot use the picture {}: {}",
+                    quoted(file.as_bytes()),
+                    error.message
+                );
+                let help = Some("magenta and black squares stand in for it".into());
+                warnings.push(Diagnostic { message, place, help });
+                None
+            }
+        };
+        self.known.insert(file.to_owned(), number);
+        number
+    }
+
+    /// Reads `file`, or if it is not there, a file of that name beside the model.
+    fn open(&self, file: &str) -> Result<Pixels> {
+        let bytes = self.access.read(file).or_else(|error| {
+            let beside = file.rsplit(['/', '\\']).next().filter(|beside| *beside != file);
+            beside.and_then(|beside| self.access.read(beside).ok()).ok_or(error)
+        })?;
+        pixels::decode(&bytes, file, &self.access.limits)
+    }
+}
+
+/// What is shown where a picture is missing: eight squares of magenta and black along u and v.
+fn stand_in() -> Texture {
+    let colors = [[1.0, 0.0, 1.0, 1.0], [0.0, 0.0, 0.0, 1.0]];
+    let pattern = Pattern::Checker { colors, size: Vec2::splat(0.125) };
+    Texture { factor: [1.0; 4], pattern, vertex_colors: false }
+}
