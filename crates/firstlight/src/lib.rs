@@ -22,6 +22,7 @@ mod testing;
 pub mod units;
 
 pub use camera::Camera;
+pub use film::auto_exposure;
 pub use geometry::{Ray, solid_angle};
 pub use image::Image;
 pub use integrator::RayCounts;

@@ -52,6 +52,10 @@ pub struct Rendered {
     pub interrupted: bool,
     /// Rays traced.
     pub rays: RayCounts,
+    /// Camera rays that met a surface.
+    pub surface_rays: u64,
+    /// The largest radiance of any channel that came from a surface, W·sr⁻¹·m⁻²; 0 if all are black.
+    pub brightest: f32,
     /// Samples that were dropped because they were not finite.
     pub dropped: u64,
     /// Column and row of the first pixel (in tile order) with a dropped sample.
@@ -68,11 +72,15 @@ pub fn render(
     options: &RenderOptions,
     observe: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Rendered {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(options.threads).build();
-    match pool {
-        Ok(pool) => pool.install(|| Render::new(scene, options, observe).run()),
+    with_threads(options.threads, || Render::new(scene, options, observe).run())
+}
+
+/// Does `work`, such as building a scene, with so many worker threads; 0: one per processor.
+pub fn with_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
+        Ok(pool) => pool.install(work),
         // The system refuses threads: do the work on this one and on whatever rayon has.
-        Err(_) => Render::new(scene, options, observe).run(),
+        Err(_) => work(),
     }
 }
 
@@ -91,6 +99,8 @@ struct Tally {
     rays: RayCounts,
     tiles: u64,
     stop: bool,
+    surface_rays: u64,
+    brightest: f32,
     dropped: u64,
     first_dropped: Option<[u32; 2]>,
 }
@@ -137,6 +147,8 @@ impl<'a> Render<'a> {
             samples: complete,
             interrupted: complete < samples,
             rays: tally.rays,
+            surface_rays: tally.surface_rays,
+            brightest: tally.brightest,
             dropped: tally.dropped,
             first_dropped: tally.first_dropped,
         }
@@ -169,6 +181,9 @@ impl<'a> Render<'a> {
         let mut tally = self.tally();
         tally.tiles += 1;
         tally.rays += std::mem::take(&mut worker.scratch.counts);
+        let (surface_rays, brightest) = worker.scratch.seen();
+        tally.surface_rays += surface_rays;
+        tally.brightest = tally.brightest.max(brightest);
         if let Some((place, count)) = worker.dropped.take() {
             tally.dropped += count;
             let order = |[x, y]: [u32; 2]| (y, x);

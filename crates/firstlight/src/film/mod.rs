@@ -1,7 +1,9 @@
 //! Where radiance is added up, pixel by pixel.
 
+mod exposure;
 mod filter;
 
+pub use exposure::auto_exposure;
 pub(crate) use filter::FilterSampler;
 
 use crate::color::Rgb;

@@ -64,6 +64,14 @@ struct Awaited {
     radiance: Rgb,
 }
 
+impl Scratch {
+    /// Of the last batch: how many rays met a surface, and the largest radiance of any channel that one sent back.
+    pub(crate) fn seen(&self) -> (u64, f32) {
+        let radiance = self.points.iter().map(|point| self.samples[point.ray].radiance);
+        (self.points.len() as u64, radiance.map(Rgb::max_element).fold(0.0, f32::max))
+    }
+}
+
 impl<'a> Direct<'a> {
     /// Gathers light in `scene`.
     pub(crate) fn new(scene: &'a Scene, transparent: bool) -> Self {

@@ -82,6 +82,13 @@ pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>> {
     if path.is_dir() {
         return Err(Box::new(Diagnostic::new(shown(path), "this is a folder, not a file")));
     }
+    // A device or a pipe may never end.
+    if path.exists() && !path.is_file() {
+        return Err(Box::new(Diagnostic::new(
+            shown(path),
+            "this is a device or a pipe, not a file",
+        )));
+    }
     std::fs::read(path).map_err(|e| Box::new(Diagnostic::new(shown(path), cause(&e))))
 }
 

@@ -21,17 +21,39 @@ pub fn load(
     warnings: &mut Warnings,
 ) -> Result<SceneDescription> {
     let name = shown(path);
-    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
+    if is_scene_file(path) {
         let text = scene_file::text(read_file(path)?, &name)?;
         return scene_file::read(&text, &name, overrides, access, warnings);
     }
-    let text = scene_around(path).ok_or_else(|| Diagnostic::new(&name, "this is not a file"))?;
+    let text = scene_around(path).ok_or_else(|| no_file(path))?;
     scene_file::read(&text, &name, overrides, access, warnings)
+}
+
+/// Whether `path` names a scene file, by its extension `.toml`; anything else is taken for a model.
+pub fn is_scene_file(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
+}
+
+/// What sets `key` (`up`, `unit`, …) of the model that [`load`] reads from `path`.
+///
+/// # Errors
+/// If the path names no file.
+pub fn model_override(path: &Path, key: &str, value: &str) -> Result<Override> {
+    let name = path.file_stem().and_then(quoted_key).ok_or_else(|| no_file(path))?;
+    format!("models.{name}.{key}={value}").parse()
+}
+
+fn no_file(path: &Path) -> Box<Diagnostic> {
+    Box::new(Diagnostic::new(shown(path), "this is not a file"))
 }
 
 /// The text of a scene that holds one model.
 fn scene_around(model: &Path) -> Option<String> {
-    let toml = |text: &std::ffi::OsStr| text.to_str().map(|t| toml::Value::from(t).to_string());
-    let (name, file) = (toml(model.file_stem()?)?, toml(model.file_name()?)?);
+    let (name, file) = (quoted_key(model.file_stem()?)?, quoted_key(model.file_name()?)?);
     Some(format!("models.{name}.file = {file}\n"))
+}
+
+/// A name in the quotation marks of TOML.
+fn quoted_key(name: &std::ffi::OsStr) -> Option<String> {
+    name.to_str().map(|name| toml::Value::from(name).to_string())
 }

@@ -24,7 +24,7 @@ mod triangles;
 
 pub use access::{FileAccess, Limits};
 pub use atomic::write;
-pub use load::load;
+pub use load::{is_scene_file, load, model_override};
 pub use pixels::load_image;
 pub use save::{BitDepth, Develop, Format, Metadata, Precision, save};
 

@@ -72,6 +72,14 @@ impl Extent {
     }
 }
 
+/// The smallest and largest coordinates (m) of every surface that has an end; `None` if there is none. Exact for
+/// meshes, boxes for everything else.
+pub fn bounds(scene: &SceneDescription) -> Option<[DVec3; 2]> {
+    let (mut lower, mut upper) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    each_point(scene, |p| (lower, upper) = (lower.min(p), upper.max(p)));
+    lower.cmple(upper).all().then_some([lower, upper])
+}
+
 /// The smallest coordinate along the unit vector `up` of every surface that has an end; 0 if there is none.
 pub(super) fn lowest(scene: &SceneDescription, up: DVec3) -> f64 {
     let mut lowest = f64::INFINITY;

@@ -2,6 +2,7 @@
 
 mod build;
 mod check;
+mod choose;
 pub mod description;
 mod filter;
 mod framing;
@@ -11,7 +12,7 @@ mod studio;
 mod tests;
 
 pub(crate) use filter::{SeenByCamera, StopsLight};
-pub use framing::frame;
+pub use framing::{bounds, frame};
 pub use studio::Studio;
 
 use crate::bvh::World;

@@ -9,16 +9,12 @@ use serde::de::{Deserializer, Error, MapAccess, Visitor, value::MapAccessDeseria
 use std::borrow::Cow;
 use std::fmt;
 
-/// Pixels along one side, at most.
-const LARGEST_SIDE: u32 = 65_536;
-/// Pixels of a picture, at most.
-const MOST_PIXELS: u64 = 1 << 30;
-/// Samples per pixel, at most.
-const MOST_SAMPLES: u32 = 1 << 24;
+const LARGEST_SIDE: u32 = FilmDescription::LARGEST_SIDE;
+const MOST_PIXELS: u64 = FilmDescription::MOST_PIXELS;
+const MOST_SAMPLES: u32 = FilmDescription::MOST_SAMPLES;
+const MOST_STOPS: f64 = FilmDescription::MOST_STOPS;
 /// Radius of a filter in pixels, at most: each sample is spread over the square of it.
 const LARGEST_RADIUS: f64 = 16.0;
-/// Stops, at most, in either direction.
-const MOST_STOPS: f64 = 100.0;
 
 /// What the film records and how it is developed.
 #[derive(Debug, Deserialize, JsonSchema)]

@@ -41,6 +41,11 @@ impl FromStr for Override {
 }
 
 impl Override {
+    /// The keys that lead to the value: `film`, `samples`.
+    pub fn path(&self) -> impl Iterator<Item = &str> {
+        self.keys.iter().map(|(key, _)| key.as_str())
+    }
+
     /// Sets the value in the table `root`; spans are those in the override's text plus `offset`.
     pub(super) fn apply<'a>(
         &'a self,

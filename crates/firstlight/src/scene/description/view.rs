@@ -63,6 +63,17 @@ pub struct FilmDescription {
     pub seed: u64,
 }
 
+impl FilmDescription {
+    /// Pixels along one side, at most.
+    pub const LARGEST_SIDE: u32 = 65_536;
+    /// Pixels of a picture, at most.
+    pub const MOST_PIXELS: u64 = 1 << 30;
+    /// Samples per pixel, at most.
+    pub const MOST_SAMPLES: u32 = 1 << 24;
+    /// Stops of exposure, at most, in either direction.
+    pub const MOST_STOPS: f64 = 100.0;
+}
+
 impl Default for FilmDescription {
     fn default() -> Self {
         Self {

@@ -1,0 +1,387 @@
+//! What can be written on the command line.
+
+use crate::measure::Requests;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use firstlight::Level;
+use firstlight::io::scene_file::Override;
+use firstlight::io::{BitDepth, Format, Precision};
+use firstlight::render::Crop;
+use firstlight::scene::description::{Exposure, FilmDescription};
+use firstlight::units::{Dimension, Measure, Quantity};
+use std::path::PathBuf;
+
+/// From a model or scene file to a correctly lit picture.
+#[derive(Debug, Parser)]
+#[command(name = "firstlight", version, max_term_width = 100, after_help = EXIT_CODES)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+const EXIT_CODES: &str = "\
+Examples:
+  firstlight render scene.toml -o picture.png
+  firstlight render chair.glb --azimuth 60 -r 1920x1080
+  firstlight measure scene.toml --irradiance 0,0,0,0,0,1
+
+Exit codes: 0 done, 1 failed, 2 wrong usage or bad input, 3 a strict check failed, 130 or 143 interrupted.";
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Render a picture of a scene or model
+    Render(Box<RenderArgs>),
+    /// Read everything a scene needs and say what is wrong with it; draws nothing
+    Check(CheckArgs),
+    /// Show what is in a scene or model
+    Info(InfoArgs),
+    /// Print the JSON Schema of scene files, for editors
+    Schema,
+    /// Measure irradiance and radiance at points of a scene
+    Measure(MeasureArgs),
+}
+
+/// Which scene, and what is laid over it.
+#[derive(Debug, Args)]
+pub(crate) struct InputArgs {
+    /// A scene (.toml) or model (.gltf .glb .obj .ply .stl); - reads a scene from standard input
+    #[arg(value_name = "SCENE")]
+    pub scene: PathBuf,
+    /// Set a value of the scene, such as lights.key.point.power="60 W"; may be repeated
+    #[arg(short = 'D', value_name = "KEY=VALUE")]
+    pub define: Vec<Override>,
+    /// A folder besides the scene's own that files may be read from; may be repeated
+    #[arg(long, value_name = "DIR")]
+    pub allow_path: Vec<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = RENDER_EXAMPLES)]
+pub(crate) struct RenderArgs {
+    #[command(flatten)]
+    pub input: InputArgs,
+    /// The picture; its extension says the format; - is standard output [default: the scene's name with .png]
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// File format, if the extension does not say it (- is written as png)
+    #[arg(long, value_enum)]
+    pub format: Option<FormatName>,
+    /// Size of the picture in pixels
+    #[arg(short, long, value_name = "WxH", value_parser = resolution, allow_hyphen_values = true)]
+    pub resolution: Option<[u32; 2]>,
+    /// Samples per pixel
+    #[arg(long, value_name = "N", value_parser = samples(), allow_negative_numbers = true)]
+    pub spp: Option<u32>,
+    /// Worker threads [default: one per processor]; the picture does not depend on it
+    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    #[arg(allow_negative_numbers = true)]
+    pub threads: Option<u32>,
+    /// Seed of every random number
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    #[arg(allow_negative_numbers = true)]
+    pub seed: Option<u64>,
+    /// Render only this part of the picture, in pixels from its upper left corner
+    #[arg(long, value_name = "X,Y,W,H", value_parser = crop, allow_hyphen_values = true)]
+    pub crop: Option<Crop>,
+    /// The camera to use; frame: one that shows everything [default: the scene's first]
+    #[arg(long, value_name = "NAME")]
+    pub camera: Option<String>,
+    /// Stops of exposure (0: radiance 1 is white), or auto
+    #[arg(long, value_name = "EV|auto", value_parser = exposure, allow_hyphen_values = true)]
+    pub exposure: Option<Exposure>,
+    /// Make the background transparent
+    #[arg(long)]
+    pub transparent: bool,
+    /// Instructions to trace with: auto or a set that this processor has
+    #[arg(long, value_name = "SET", value_parser = simd, default_value = "auto")]
+    pub simd: Simd,
+    /// Print a report as JSON on standard output
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors and warnings
+    #[arg(short, long)]
+    pub quiet: bool,
+    /// End with exit code 3 if there is any warning; the picture is written nevertheless
+    #[arg(long)]
+    pub strict: bool,
+    #[command(flatten)]
+    pub studio: StudioArgs,
+}
+
+const RENDER_EXAMPLES: &str = "\
+Examples:
+  firstlight render scene.toml
+  firstlight render scene.toml -o out.exr --spp 64 -D film.filter=mitchell
+  firstlight render chair.glb --azimuth 60 --elevation 15 --ground off --transparent
+  firstlight render part.stl --unit mm --key '10 klx' --headlight off
+  firstlight render scene.toml -o - --crop 100,80,64,64 > crop.png";
+
+/// The studio around a model file; a scene file says these things itself.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Studio (model files only)")]
+pub(crate) struct StudioArgs {
+    /// Direction of the camera: anticlockwise around the model from its front [default: 30]
+    #[arg(long, value_name = "DEG", value_parser = angle, allow_hyphen_values = true)]
+    pub azimuth: Option<f64>,
+    /// Direction of the camera: above the horizon [default: 20]
+    #[arg(long, value_name = "DEG", value_parser = elevation, allow_hyphen_values = true)]
+    pub elevation: Option<f64>,
+    /// Irradiance of the key light, such as 2.6 (W/m²), "10 klx" or off [default: 2.6, off with lights of the model]
+    #[arg(long, value_name = "AMOUNT|off", value_parser = irradiance, allow_hyphen_values = true)]
+    pub key: Option<Switch<Quantity>>,
+    /// Irradiance of the light at the camera [default: 0.8, off with lights of the model]
+    #[arg(long, value_name = "AMOUNT|off", value_parser = irradiance, allow_hyphen_values = true)]
+    pub headlight: Option<Switch<Quantity>>,
+    /// Colour of the ground [default: a light grey; off with lights of the model or --transparent]
+    #[arg(long, value_name = "COLOR|off", value_parser = ground)]
+    pub ground: Option<Switch<[f32; 4]>>,
+    /// Colour of the background [default: that of the ground]
+    #[arg(long, value_name = "COLOR", value_parser = firstlight::color::parse)]
+    pub background: Option<[f32; 4]>,
+    /// Which axis of the file points up [default: z for STL, else y]
+    #[arg(long, value_enum, value_name = "AXIS")]
+    pub up: Option<Axis>,
+    /// Length of 1 in the file, such as mm or "2.5 cm" [default: 1 m]
+    #[arg(long, value_name = "LENGTH")]
+    pub unit: Option<String>,
+}
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  firstlight check scene.toml --strict\n  firstlight check - < scene.toml"
+)]
+pub(crate) struct CheckArgs {
+    #[command(flatten)]
+    pub input: InputArgs,
+    /// Print a report as JSON on standard output
+    #[arg(long)]
+    pub json: bool,
+    /// End with exit code 3 if there is any warning
+    #[arg(long)]
+    pub strict: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  firstlight info chair.glb\n  firstlight info scene.toml --json"
+)]
+pub(crate) struct InfoArgs {
+    #[command(flatten)]
+    pub input: InputArgs,
+    /// Print it as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = MEASURE_EXAMPLES)]
+pub(crate) struct MeasureArgs {
+    #[command(flatten)]
+    pub input: InputArgs,
+    #[command(flatten)]
+    pub requests: Requests,
+    /// The camera that lights at the camera follow; frame: one that shows everything
+    #[arg(long, value_name = "NAME")]
+    pub camera: Option<String>,
+    /// Print a list as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+const MEASURE_EXAMPLES: &str = "\
+Without --irradiance and --radiance, rows of kind and six numbers are read from standard input.
+
+Examples:
+  firstlight measure scene.toml --irradiance 0,0,0,0,0,1
+  firstlight measure scene.toml --radiance 0,-5,1,0,1,0 --json
+  firstlight measure scene.toml --irradiance - < points.csv
+  echo 'irradiance,0,0,0,0,0,1' | firstlight measure scene.toml";
+
+/// A value, or nothing at all.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Switch<T> {
+    Off,
+    On(T),
+}
+
+impl<T> Switch<T> {
+    pub(crate) fn on(self) -> Option<T> {
+        if let Self::On(value) = self { Some(value) } else { None }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Axis {
+    Y,
+    Z,
+}
+
+/// A set of instructions; none: the best there is.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Simd(pub Option<Level>);
+
+/// A file format as it is called on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum FormatName {
+    /// 8 bits a channel
+    Png,
+    /// 16 bits a channel
+    Png16,
+    /// Linear, 32-bit floats
+    Exr,
+    /// Linear, 16-bit floats
+    ExrHalf,
+    /// Linear, Radiance RGBE
+    Hdr,
+    /// Linear, plain floats
+    Pfm,
+}
+
+impl FormatName {
+    pub(crate) fn format(self) -> Format {
+        match self {
+            Self::Png => Format::Png { bits: BitDepth::Eight },
+            Self::Png16 => Format::Png { bits: BitDepth::Sixteen },
+            Self::Exr => Format::Exr { precision: Precision::Float },
+            Self::ExrHalf => Format::Exr { precision: Precision::Half },
+            Self::Hdr => Format::Hdr,
+            Self::Pfm => Format::Pfm,
+        }
+    }
+}
+
+type Parsed<T> = Result<T, String>;
+
+fn samples() -> clap::builder::RangedI64ValueParser<u32> {
+    clap::value_parser!(u32).range(1..=i64::from(FilmDescription::MOST_SAMPLES))
+}
+
+fn resolution(text: &str) -> Parsed<[u32; 2]> {
+    const LARGEST: u32 = FilmDescription::LARGEST_SIDE;
+    const MOST: u64 = FilmDescription::MOST_PIXELS;
+    let sides: Vec<_> = text.split(['x', 'X', '×', ',']).map(|side| side.trim().parse()).collect();
+    let [Ok(width), Ok(height)] = sides[..] else {
+        return Err("needs width and height in pixels, such as 1280x720".into());
+    };
+    let in_range = |side| (1..=LARGEST).contains(&side);
+    if !in_range(width) || !in_range(height) {
+        return Err(format!("width and height must be 1 to {LARGEST}"));
+    }
+    if u64::from(width) * u64::from(height) > MOST {
+        return Err(format!("must be at most {MOST} pixels"));
+    }
+    Ok([width, height])
+}
+
+fn crop(text: &str) -> Parsed<Crop> {
+    let numbers: Vec<_> = text.split(',').map(|number| number.trim().parse::<u32>()).collect();
+    let [Ok(x), Ok(y), Ok(width @ 1..), Ok(height @ 1..)] = numbers[..] else {
+        return Err("needs four whole numbers x,y,width,height, such as 100,80,64,64".into());
+    };
+    Ok(Crop { x, y, width, height })
+}
+
+fn number(text: &str, most: f64) -> Parsed<f64> {
+    let number: f64 = text.trim().parse().map_err(|_| "needs a number".to_owned())?;
+    if number.abs() <= most {
+        return Ok(number);
+    }
+    Err(format!("must be from -{most} to {most}"))
+}
+
+fn exposure(text: &str) -> Parsed<Exposure> {
+    if text == "auto" {
+        return Ok(Exposure::Auto);
+    }
+    let wrong = |error| format!("{error}; or auto");
+    number(text, FilmDescription::MOST_STOPS).map(Exposure::Ev).map_err(wrong)
+}
+
+/// Degrees as radians, within a full turn either way.
+fn angle(text: &str) -> Parsed<f64> {
+    number(text, 360.0).map(f64::to_radians)
+}
+
+/// Degrees as radians. Straight from above or below, what is up in the picture is left to the camera.
+fn elevation(text: &str) -> Parsed<f64> {
+    number(text, 90.0).map(f64::to_radians)
+}
+
+fn irradiance(text: &str) -> Parsed<Switch<Quantity>> {
+    if text == "off" {
+        return Ok(Switch::Off);
+    }
+    let bare = text.parse().map(|value| Quantity {
+        value,
+        dimension: Dimension::Irradiance,
+        measure: Measure::Radiometric,
+    });
+    let quantity = bare.or_else(|_| Quantity::parse(text))?;
+    if quantity.dimension != Dimension::Irradiance {
+        return Err("needs an irradiance such as 2.6 (W/m²), \"10 klx\" or off".into());
+    }
+    if !(0.0..=1e15).contains(&quantity.value) {
+        return Err("must be from 0 to 1e15".into());
+    }
+    Ok(Switch::On(quantity))
+}
+
+fn ground(text: &str) -> Parsed<Switch<[f32; 4]>> {
+    if text == "off" {
+        return Ok(Switch::Off);
+    }
+    firstlight::color::parse(text).map(Switch::On).map_err(|error| format!("{error}; or off"))
+}
+
+fn simd(text: &str) -> Parsed<Simd> {
+    if text == "auto" {
+        return Ok(Simd(None));
+    }
+    let levels = Level::all();
+    let known = levels.iter().copied().find(|level| level.name() == text);
+    let names = || levels.iter().map(|level| level.name()).collect::<Vec<_>>().join(", ");
+    known
+        .map(|level| Simd(Some(level)))
+        .ok_or_else(|| format!("this processor has auto, {}", names()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn a_resolution_may_be_written_in_many_ways() {
+        for text in ["1280x720", "1280,720", "1280X720", "1280×720", " 1280 , 720 "] {
+            assert_eq!(resolution(text), Ok([1280, 720]), "{text}");
+        }
+        for text in
+            ["", "1280", "0x5", "5x0", "-1x5", "4294967296x1", "65537x1", "65536x65536", "1x2x3"]
+        {
+            assert!(resolution(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_crop_is_four_whole_numbers() {
+        assert_eq!(crop("1,2,3,4"), Ok(Crop { x: 1, y: 2, width: 3, height: 4 }));
+        for text in ["1,2,3", "1,2,0,4", "1,2,3,0", "-1,2,3,4", "1,2,3,4,5", "a"] {
+            assert!(crop(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn amounts_carry_units() {
+        let read = |text: &str| irradiance(text).map(|switch| switch.on().map(|q| q.value));
+        assert_eq!(read("2.5"), Ok(Some(2.5)));
+        assert_eq!(read("10 klx"), Ok(Some(1e4)));
+        assert_eq!(read("off"), Ok(None));
+        for text in ["5 W", "-1", "nan", "inf", "", "x"] {
+            assert!(read(text).is_err(), "{text}");
+        }
+    }
+}

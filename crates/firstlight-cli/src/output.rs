@@ -1,0 +1,144 @@
+//! Where pictures and data go.
+
+use crate::args::RenderArgs;
+use crate::{Exit, Failure, Outcome};
+use firstlight::diagnostic::Diagnostic;
+use firstlight::io::{self, Format};
+use std::ffi::OsStr;
+use std::io::{ErrorKind, IsTerminal, Write};
+use std::path::{Path, PathBuf};
+
+/// A picture to be written; that it can be is checked before it is rendered.
+#[derive(Debug)]
+pub(crate) struct Output {
+    /// No path: standard output.
+    path: Option<PathBuf>,
+    /// What it is written as.
+    pub format: Format,
+}
+
+impl Output {
+    /// Where the picture that `args` ask for goes.
+    pub(crate) fn plan(args: &RenderArgs) -> Outcome<Self> {
+        let format = args.format.map(crate::args::FormatName::format);
+        let path = args.output.clone().unwrap_or_else(|| default_path(args, format));
+        if path == Path::new("-") {
+            check_stdout(args.json)?;
+            return Ok(Self { path: None, format: format.unwrap_or(PNG) });
+        }
+        check_path(&path)?;
+        let format = choose_format(&path, format)?;
+        Ok(Self { path: Some(path), format })
+    }
+
+    /// The file as the user named it, or `-`.
+    pub(crate) fn name(&self) -> String {
+        self.path.as_ref().map_or("-".into(), |path| path.display().to_string())
+    }
+
+    /// Writes the file. If that fails, the bytes are saved in the folder for temporary files, so that the
+    /// rendering was not in vain.
+    pub(crate) fn write(&self, bytes: &[u8]) -> Outcome<()> {
+        let Some(path) = &self.path else { return print(bytes) };
+        io::write(path, bytes).map_err(|mut error| {
+            if let Some(rescued) = rescue(self.format, bytes) {
+                error.help = Some(format!("the picture was saved as {}", rescued.display()));
+            }
+            Failure { exit: Exit::Failed, error }
+        })
+    }
+}
+
+const PNG: Format = Format::Png { bits: io::BitDepth::Eight };
+
+/// The scene's name in the current folder.
+fn default_path(args: &RenderArgs, format: Option<Format>) -> PathBuf {
+    let stem = args.input.scene.file_stem().filter(|_| !args.input.is_stdin());
+    let mut name = stem.unwrap_or(OsStr::new("scene")).to_owned();
+    name.push(".");
+    name.push(extension(format.unwrap_or(PNG)));
+    name.into()
+}
+
+fn extension(format: Format) -> &'static str {
+    match format {
+        Format::Png { .. } => "png",
+        Format::Exr { .. } => "exr",
+        Format::Hdr => "hdr",
+        Format::Pfm => "pfm",
+    }
+}
+
+/// The format asked for, unless the extension says another one.
+fn choose_format(path: &Path, asked: Option<Format>) -> Outcome<Format> {
+    match (asked, Format::from_path(path)) {
+        (None, named) => Ok(named?),
+        (Some(asked), Ok(named)) if extension(asked) != extension(named) => {
+            let message = format!("--format says .{}", extension(asked));
+            let error = Diagnostic::new(path.display().to_string(), message);
+            Err(error.help("let the name and --format say the same").into())
+        }
+        (Some(asked), _) => Ok(asked),
+    }
+}
+
+fn check_stdout(json: bool) -> Outcome<()> {
+    if json {
+        let message = "the picture and the --json report cannot both go to standard output";
+        return Err(Diagnostic::new("-o -", message).help("name a file with -o").into());
+    }
+    if std::io::stdout().is_terminal() {
+        let message = "a picture is not for the terminal";
+        let help = "name a file with -o, or send it on: … -o - > picture.png";
+        return Err(Diagnostic::new("-o -", message).help(help).into());
+    }
+    Ok(())
+}
+
+/// Whether a file of this name can be written, as far as that shows before.
+fn check_path(path: &Path) -> Outcome<()> {
+    let complain = |message: String, help: &str| {
+        Err(Diagnostic::new(path.display().to_string(), message).help(help).into())
+    };
+    if path.is_dir() || path.to_string_lossy().ends_with(std::path::is_separator) {
+        return complain("this is a folder, not a file".into(), "end it with the name of a file");
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let folder = folder.unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        let message = format!("there is no folder {}", folder.display());
+        return complain(message, "create it first, or choose another");
+    }
+    let protected = path.metadata().is_ok_and(|found| found.permissions().readonly());
+    if protected {
+        let help = "choose another name, or allow writing to it";
+        return complain("this file is write-protected".into(), help);
+    }
+    Ok(())
+}
+
+/// The bytes in a new file of the folder for temporary files.
+fn rescue(format: Format, bytes: &[u8]) -> Option<PathBuf> {
+    let suffix = format!(".{}", extension(format));
+    let mut file =
+        tempfile::Builder::new().prefix("firstlight-").suffix(&suffix).tempfile().ok()?;
+    file.write_all(bytes).ok()?;
+    file.keep().ok().map(|(_, path)| path)
+}
+
+/// Sends data to standard output. That its reader went away is no failure.
+pub(crate) fn print(bytes: &[u8]) -> Outcome<()> {
+    let mut stdout = std::io::stdout().lock();
+    match stdout.write_all(bytes).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure {
+            exit: Exit::Failed,
+            error: Box::new(Diagnostic::new("standard output", format!("cannot write: {error}"))),
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// Prints JSON over several lines.
+pub(crate) fn print_json(value: &serde_json::Value) -> Outcome<()> {
+    print(format!("{value:#}\n").as_bytes())
+}

@@ -1,0 +1,276 @@
+//! `firstlight render`: a picture of a scene or model.
+
+use crate::args::RenderArgs;
+use crate::check::triangles;
+use crate::input::choose_camera;
+use crate::machine::{self, Stop};
+use crate::output::{Output, print_json};
+use crate::report::{self, Bar};
+use crate::{Exit, Failure, Outcome, studio, verdict};
+use firstlight::diagnostic::{Diagnostic, Result};
+use firstlight::io::{Develop, Format, Metadata, Warnings, save};
+use firstlight::render::{Crop, RenderOptions, Rendered, render, with_threads};
+use firstlight::scene::description::Exposure;
+use firstlight::{Level, Scene, SceneDescription, auto_exposure};
+use serde_json::{Value, json};
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+/// Bytes of memory per pixel: the film's sums and the picture that becomes of them.
+const PIXEL_BYTES: u64 = 64;
+
+/// A picture with what it takes to show it.
+pub(crate) struct Picture {
+    pub rendered: Rendered,
+    pub exposure_ev: f64,
+    pub auto_exposure: bool,
+    pub format: Format,
+}
+
+pub(crate) fn run(args: RenderArgs) -> Outcome {
+    let mut clock = Clock::start();
+    let output = Output::plan(&args)?;
+    let threads = args.threads.map_or_else(machine::processors, |threads| threads as usize);
+    let mut warnings = Warnings::new();
+    let scene = with_threads(threads, || prepare(&args, &mut warnings))?;
+    check_size(&scene, args.crop)?;
+    warnings.extend(verdict::unlit(&scene));
+    report::warnings(&warnings);
+    clock.lap("load");
+    let level = args.simd.0.unwrap_or_else(Level::detect);
+    let built = with_threads(threads, || Scene::build_for(&scene, level));
+    clock.lap("build");
+    let stop = Stop::listen();
+    let picture = draw(&args, threads, &built, output.format, &stop);
+    clock.lap("render");
+    let doubts = verdict::judge(&scene, &picture);
+    report::warnings(&doubts);
+    warnings.extend(doubts);
+    write(&args, &scene, &picture, &output)?;
+    clock.lap("write");
+    let done = Done { args: &args, scene, built, picture, output, threads, warnings, clock };
+    done.report()?;
+    Ok(stop.exit().unwrap_or(match args.strict && !done.warnings.is_empty() {
+        true => Exit::Strict,
+        false => Exit::Done,
+    }))
+}
+
+/// The scene as the command line wants it.
+fn prepare(args: &RenderArgs, warnings: &mut Warnings) -> Outcome<SceneDescription> {
+    let is_model = args.input.is_model();
+    if !is_model {
+        args.studio.refuse()?;
+    }
+    let overrides = if is_model { args.studio.overrides(&args.input.scene)? } else { Vec::new() };
+    let mut scene = args.input.load(overrides, warnings)?;
+    set_film(&mut scene, args);
+    choose_camera(&mut scene, args.camera.as_deref())?;
+    if is_model {
+        studio::dress(&mut scene, args)?;
+    }
+    Ok(scene)
+}
+
+fn set_film(scene: &mut SceneDescription, args: &RenderArgs) {
+    let film = &mut scene.film;
+    [film.width, film.height] = args.resolution.unwrap_or([film.width, film.height]);
+    film.samples = args.spp.unwrap_or(film.samples);
+    film.seed = args.seed.unwrap_or(film.seed);
+    film.exposure = args.exposure.unwrap_or(film.exposure);
+    film.transparent |= args.transparent;
+}
+
+/// Whether the crop lies inside the picture, and the picture inside the memory there is.
+fn check_size(scene: &SceneDescription, crop: Option<Crop>) -> Result<()> {
+    let (width, height) = (scene.film.width, scene.film.height);
+    let crop = crop.unwrap_or(Crop { x: 0, y: 0, width, height });
+    let inside =
+        |start: u32, length: u32, end: u32| u64::from(start) + u64::from(length) <= end.into();
+    if !inside(crop.x, crop.width, width) || !inside(crop.y, crop.height, height) {
+        let Crop { x, y, width: w, height: h } = crop;
+        let message = format!("{x},{y},{w},{h} reaches beyond the picture of {width} × {height}");
+        return Err(Box::new(Diagnostic::new("--crop", message)));
+    }
+    let needed = u64::from(crop.width) * u64::from(crop.height) * PIXEL_BYTES;
+    match machine::available_memory() {
+        Some(available) if needed > available => Err(too_large(crop, needed, available)),
+        _ => Ok(()),
+    }
+}
+
+fn too_large(Crop { width, height, .. }: Crop, needed: u64, available: u64) -> Box<Diagnostic> {
+    let (needed, available) = (needed >> 20, available >> 20);
+    let message = format!(
+        "a picture of {width} × {height} needs {needed} MiB of memory; {available} MiB are available"
+    );
+    Box::new(
+        Diagnostic::new("", message).help("use a smaller -r, or render it in parts with --crop"),
+    )
+}
+
+/// Renders, showing progress, until done or told to stop.
+fn draw(args: &RenderArgs, threads: usize, scene: &Scene, format: Format, stop: &Stop) -> Picture {
+    let options = RenderOptions { threads, crop: args.crop };
+    let bar = Bar::new(!args.quiet && !args.json);
+    let rendered = render(scene, &options, &|progress| {
+        bar.show(progress);
+        if stop.asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    bar.finish();
+    let (exposure_ev, auto_exposure) = match scene.film().exposure {
+        Exposure::Ev(ev) => (ev, false),
+        Exposure::Auto => (auto_exposure(&rendered.image), true),
+    };
+    Picture { rendered, exposure_ev, auto_exposure, format }
+}
+
+fn write(
+    args: &RenderArgs,
+    scene: &SceneDescription,
+    picture: &Picture,
+    output: &Output,
+) -> Outcome<()> {
+    let develop = Develop { exposure_ev: picture.exposure_ev as f32 };
+    let metadata = metadata(args, scene, picture);
+    let bytes = save(&picture.rendered.image, output.format, develop, &metadata)
+        .map_err(|error| Failure { exit: Exit::Failed, error })?;
+    output.write(&bytes)
+}
+
+/// How the picture was made.
+fn metadata(args: &RenderArgs, scene: &SceneDescription, picture: &Picture) -> Metadata {
+    let film = &scene.film;
+    let crop = args.crop.map(|c| format!(", crop {},{},{},{}", c.x, c.y, c.width, c.height));
+    let resolution = format!("{}x{}{}", film.width, film.height, crop.unwrap_or_default());
+    let entries = [
+        ("Scene", args.input.name()),
+        ("Resolution", resolution),
+        ("Samples", picture.rendered.samples.to_string()),
+        ("Seed", film.seed.to_string()),
+        ("Exposure", format!("{:+} EV", picture.exposure_ev)),
+        ("Camera", camera_name(scene).to_owned()),
+        ("Command", command_line()),
+    ];
+    let entries = entries.map(|(key, text)| (key.to_owned(), text)).to_vec();
+    Metadata { entries, ..Metadata::default() }
+}
+
+/// The camera in use.
+fn camera_name(scene: &SceneDescription) -> &str {
+    scene.cameras.first().map_or("frame", |camera| &camera.name)
+}
+
+/// The command as it was typed, in quotation marks where a shell needs them.
+fn command_line() -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_=+./,:@%".contains(c);
+    let quoted = |text: String| match !text.is_empty() && text.chars().all(plain) {
+        true => text,
+        false => format!("'{}'", text.replace('\'', r"'\''")),
+    };
+    let words = std::env::args_os().skip(1).map(|word| quoted(word.to_string_lossy().into_owned()));
+    std::iter::once("firstlight".into()).chain(words).collect::<Vec<_>>().join(" ")
+}
+
+/// Everything there is to report about a picture that was written.
+struct Done<'a> {
+    args: &'a RenderArgs,
+    scene: SceneDescription,
+    built: Scene,
+    picture: Picture,
+    output: Output,
+    threads: usize,
+    warnings: Warnings,
+    clock: Clock,
+}
+
+impl Done<'_> {
+    fn report(&self) -> Outcome<()> {
+        if self.args.json {
+            return print_json(&self.json());
+        }
+        if !self.args.quiet {
+            report::line(self.line());
+        }
+        Ok(())
+    }
+
+    fn rays_per_second(&self) -> f64 {
+        let rays = self.picture.rendered.rays;
+        (rays.camera + rays.shadow) as f64 / self.clock.seconds("render").max(1e-9)
+    }
+
+    /// `wrote out.png: 1280×720, 16 spp, 1.2 s, 23 Mrays/s`.
+    fn line(&self) -> String {
+        let rendered = &self.picture.rendered;
+        let (width, height) = (rendered.image.width(), rendered.image.height());
+        let what = if rendered.interrupted { "stopped early and wrote" } else { "wrote" };
+        let exposure = match self.picture.auto_exposure {
+            true => format!(", exposure {:+.2} EV (auto)", self.picture.exposure_ev),
+            false => String::new(),
+        };
+        let (time, rate) = (report::span(self.clock.total()), report::rate(self.rays_per_second()));
+        let (output, samples) = (self.output.name(), rendered.samples);
+        format!("{what} {output}: {width}×{height}, {samples} spp{exposure}, {time}, {rate}")
+    }
+
+    fn json(&self) -> Value {
+        let (rendered, scene) = (&self.picture.rendered, &self.scene);
+        json!({
+            "scene": self.args.input.name(),
+            "output": self.output.name(),
+            "width": rendered.image.width(),
+            "height": rendered.image.height(),
+            "samples": rendered.samples,
+            "interrupted": rendered.interrupted,
+            "seconds": self.clock.json(),
+            "rays": { "camera": rendered.rays.camera, "shadow": rendered.rays.shadow },
+            "rays_per_second": self.rays_per_second(),
+            "memory": {
+                "peak_bytes": machine::peak_memory(),
+                "tree_bytes": self.built.tree_memory(),
+            },
+            "triangles": triangles(scene),
+            "surfaces": scene.surfaces.len(),
+            "lights": scene.lights.len(),
+            "threads": self.threads,
+            "simd": self.built.level().name(),
+            "seed": scene.film.seed,
+            "exposure_ev": self.picture.exposure_ev,
+            "luminous_efficacy": scene.luminous_efficacy.0,
+            "dropped_samples": rendered.dropped,
+            "warnings": report::as_json(&self.warnings),
+        })
+    }
+}
+
+/// How long each stage took.
+struct Clock {
+    start: Instant,
+    laps: Vec<(&'static str, f64)>,
+}
+
+impl Clock {
+    fn start() -> Self {
+        Self { start: Instant::now(), laps: Vec::new() }
+    }
+
+    fn total(&self) -> f64 {
+        self.start.elapsed().as_secs_f64()
+    }
+
+    /// Ends the stage `name`.
+    fn lap(&mut self, name: &'static str) {
+        let before: f64 = self.laps.iter().map(|(_, seconds)| seconds).sum();
+        self.laps.push((name, self.total() - before));
+    }
+
+    fn seconds(&self, name: &str) -> f64 {
+        self.laps.iter().find(|lap| lap.0 == name).map_or(0.0, |lap| lap.1)
+    }
+
+    fn json(&self) -> Value {
+        let laps = self.laps.iter().map(|&(name, seconds)| (name.to_owned(), json!(seconds)));
+        laps.chain([("total".to_owned(), json!(self.total()))]).collect()
+    }
+}

@@ -1,0 +1,121 @@
+//! The studio around a model, as the command line asks for it.
+
+use crate::args::{Axis, InputArgs, RenderArgs, StudioArgs};
+use firstlight::SceneDescription;
+use firstlight::color::Rgb;
+use firstlight::diagnostic::{Diagnostic, Result};
+use firstlight::io::model_override;
+use firstlight::io::scene_file::Override;
+use firstlight::scene::Studio;
+use firstlight::scene::description::Exposure;
+use firstlight::units::Quantity;
+use std::path::Path;
+
+impl StudioArgs {
+    /// Refuses what a scene file says itself.
+    pub(crate) fn refuse(&self) -> Result<()> {
+        let given = [
+            (
+                "--azimuth",
+                self.azimuth.is_some(),
+                "place the camera: [camera.perspective] position = …",
+            ),
+            (
+                "--elevation",
+                self.elevation.is_some(),
+                "place the camera: [camera.perspective] position = …",
+            ),
+            ("--key", self.key.is_some(), "add a light: [lights.key.directional] irradiance = …"),
+            (
+                "--headlight",
+                self.headlight.is_some(),
+                "add a light: [lights.head.camera] irradiance = …",
+            ),
+            ("--ground", self.ground.is_some(), "add a surface: [surfaces.ground.plane]"),
+            (
+                "--background",
+                self.background.is_some(),
+                "set background = … in it, or -D background=…",
+            ),
+            ("--up", self.up.is_some(), "set up in its [models.NAME], or -D models.NAME.up=y"),
+            (
+                "--unit",
+                self.unit.is_some(),
+                "set unit in its [models.NAME], or -D models.NAME.unit=mm",
+            ),
+        ];
+        let Some((flag, _, help)) = given.into_iter().find(|(_, given, _)| *given) else {
+            return Ok(());
+        };
+        let message = "this is for model files; a scene file says it itself";
+        Err(Box::new(Diagnostic::new(flag, message).help(help)))
+    }
+
+    /// What `--up` and `--unit` set in the scene around the model at `path`.
+    pub(crate) fn overrides(&self, path: &Path) -> Result<Vec<Override>> {
+        let up = self.up.map(|axis| if axis == Axis::Y { "y" } else { "z" });
+        let values = [("up", up), ("unit", self.unit.as_deref())];
+        let given = values.into_iter().filter_map(|(key, value)| Some((key, value?)));
+        given.map(|(key, value)| model_override(path, key, value)).collect()
+    }
+
+    /// Whether a direction was asked for that the model's own cameras do not have.
+    fn has_view(&self) -> bool {
+        self.azimuth.is_some() || self.elevation.is_some()
+    }
+
+    /// The studio; of the parts that nobody asked for, `own_lights` leaves only the camera.
+    fn studio(&self, own_lights: bool, transparent: bool, efficacy: f64) -> Studio {
+        let usual = Studio::default();
+        let light = |asked: Option<crate::args::Switch<Quantity>>, usual| match asked {
+            Some(switch) => switch.on().map(|amount| amount.to_radiometric(efficacy).value),
+            None if own_lights => None,
+            None => usual,
+        };
+        let ground = match self.ground {
+            Some(switch) => switch.on().map(rgb),
+            None if own_lights || transparent => None,
+            None => usual.ground,
+        };
+        Studio {
+            azimuth: self.azimuth.unwrap_or(usual.azimuth),
+            elevation: self.elevation.unwrap_or(usual.elevation),
+            key: light(self.key, usual.key),
+            headlight: light(self.headlight, usual.headlight),
+            ground,
+            background: self.background.map(rgb),
+            ..usual
+        }
+    }
+}
+
+fn rgb([r, g, b, _]: [f32; 4]) -> Rgb {
+    Rgb::new(r, g, b)
+}
+
+/// Puts the studio around a model. Its own camera is kept unless a direction is asked for; its own lights are used
+/// alone, unless others are asked for, and with an exposure that suits them.
+pub(crate) fn dress(scene: &mut SceneDescription, args: &RenderArgs) -> Result<()> {
+    if args.studio.has_view() {
+        if args.camera.as_deref().is_some_and(|name| name != "frame") {
+            let error = Diagnostic::new("--camera", "a named camera has a direction of its own");
+            return Err(Box::new(error.help("leave out --azimuth and --elevation")));
+        }
+        scene.cameras.clear();
+    }
+    let own_lights = std::mem::take(&mut scene.lights);
+    if !own_lights.is_empty() && !sets_exposure(args) {
+        scene.film.exposure = Exposure::Auto;
+    }
+    let efficacy = scene.luminous_efficacy.0;
+    let transparent = scene.film.transparent;
+    args.studio.studio(!own_lights.is_empty(), transparent, efficacy).dress(scene);
+    scene.lights.splice(0..0, own_lights);
+    Ok(())
+}
+
+/// Whether the exposure was given on the command line.
+fn sets_exposure(args: &RenderArgs) -> bool {
+    let InputArgs { define, .. } = &args.input;
+    args.exposure.is_some() || define.iter().any(|set| set.path().eq(["film", "exposure"]))
+}

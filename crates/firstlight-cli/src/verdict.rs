@@ -1,0 +1,85 @@
+//! What may be wrong with a picture: never black without a word.
+
+use crate::render::Picture;
+use firstlight::SceneDescription;
+use firstlight::color::srgb_code8;
+use firstlight::diagnostic::Diagnostic;
+use firstlight::io::{Develop, Format};
+
+/// The part of a picture that may be cut off at white without a word.
+const CLIPPED: f64 = 0.05;
+/// Display values from here on are not just white but brighter.
+const WHITE: f32 = 1.01;
+
+/// A warning if no light and no emission can reach anything there is.
+pub(crate) fn unlit(scene: &SceneDescription) -> Option<Diagnostic> {
+    let emits = |material: usize| {
+        let emission = scene.materials.get(material).map(|material| material.emission.factor);
+        emission.is_some_and(|[r, g, b, _]| r.max(g).max(b) > 0.0)
+    };
+    let dark = scene.lights.is_empty() && !scene.surfaces.iter().any(|s| emits(s.material));
+    (dark && !scene.surfaces.is_empty()).then(|| {
+        Diagnostic::new("", "there are no lights, and nothing emits light: all surfaces are black")
+            .help("add a light, such as -D 'lights.head.camera.irradiance=3' for one at the camera")
+    })
+}
+
+/// Everything that is odd about a picture.
+pub(crate) fn judge(scene: &SceneDescription, picture: &Picture) -> Vec<Diagnostic> {
+    let warnings = [dropped(picture), dark(scene, picture), clipped(picture)];
+    warnings.into_iter().flatten().collect()
+}
+
+fn dropped(Picture { rendered, .. }: &Picture) -> Option<Diagnostic> {
+    let [x, y] = rendered.first_dropped?;
+    let message = format!("{} samples were not finite and were dropped", rendered.dropped);
+    let error = Diagnostic::new("", message).at_part(format!("pixel ({x}, {y})"));
+    Some(error.help("look for lights and materials with very large numbers"))
+}
+
+fn dark(scene: &SceneDescription, picture: &Picture) -> Option<Diagnostic> {
+    let rendered = &picture.rendered;
+    if rendered.samples == 0 || unlit(scene).is_some() {
+        return None;
+    }
+    if scene.surfaces.is_empty() {
+        return Some(Diagnostic::new("", "the scene has no surfaces: the picture is background"));
+    }
+    if rendered.surface_rays == 0 {
+        let error = Diagnostic::new("", "nothing is in front of the camera: all is background");
+        return Some(error.help("try --camera frame, which shows everything"));
+    }
+    if rendered.brightest <= 0.0 {
+        let error = Diagnostic::new("", "no light reaches what the camera sees: it is all black");
+        return Some(error.help("add a light, or move the lights there are"));
+    }
+    let develop = Develop { exposure_ev: picture.exposure_ev as f32 };
+    let [shown, ..] = develop.display([rendered.brightest, 0.0, 0.0, 1.0]);
+    let black = is_developed(picture.format) && srgb_code8(shown) == 0;
+    black.then(|| {
+        Diagnostic::new("", "what the camera sees is so dim that it comes out black")
+            .help("try --exposure auto, or stronger lights")
+    })
+}
+
+fn clipped(picture: &Picture) -> Option<Diagnostic> {
+    let gain = picture.exposure_ev.exp2() as f32;
+    let covered = || picture.rendered.image.pixels().iter().filter(|pixel| pixel[3] > 0.0);
+    let too_bright = |&&[r, g, b, _]: &&[f32; 4]| gain * r.max(g).max(b) > WHITE;
+    let part = covered().filter(too_bright).count() as f64 / covered().count().max(1) as f64;
+    let warn = is_developed(picture.format) && part > CLIPPED;
+    warn.then(|| {
+        let message = format!("{:.0} % of the picture is brighter than white", 100.0 * part);
+        let ev = picture.exposure_ev - 1.0;
+        let help = match picture.auto_exposure {
+            true => format!("try --exposure {ev:.2}"),
+            false => "try --exposure auto".into(),
+        };
+        Diagnostic::new("", message).help(help)
+    })
+}
+
+/// Whether the exposure is part of the file.
+fn is_developed(format: Format) -> bool {
+    matches!(format, Format::Png { .. })
+}
