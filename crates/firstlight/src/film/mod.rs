@@ -67,7 +67,7 @@ pub(crate) struct Tile {
 
 impl Tile {
     /// Side of a tile in pixels.
-    pub(crate) const SIDE: u32 = 32;
+    pub(crate) const SIDE: u32 = 16;
 
     /// Cuts the rectangle at `origin` of size `size` into tiles.
     pub(crate) fn cut(origin: [u32; 2], size: [u32; 2]) -> Vec<Self> {
