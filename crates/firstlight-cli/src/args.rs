@@ -134,7 +134,7 @@ pub(crate) struct StudioArgs {
     /// Colour of the ground [default: a light grey; off with lights of the model or --transparent]
     #[arg(long, value_name = "COLOR|off", value_parser = ground)]
     pub ground: Option<Switch<[f32; 4]>>,
-    /// Colour of the background [default: that of the ground]
+    /// Colour of the background, where there is no ground [default: that of the ground]
     #[arg(long, value_name = "COLOR", value_parser = firstlight::color::parse)]
     pub background: Option<[f32; 4]>,
     /// Which axis of the file points up [default: z for STL, else y]
