@@ -70,6 +70,12 @@ fn the_order_is_that_of_the_command_line() {
 }
 
 #[test]
+fn no_rows_give_an_empty_list() {
+    let found = readings(Folder::new().run_with("measure scene.toml --json", b"# nothing\n"));
+    assert!(found.is_empty());
+}
+
+#[test]
 fn rows_may_say_their_kind() {
     let ran = Folder::new()
         .run_with("measure scene.toml --json", b"irradiance,0,0,2,0,0,1\nradiance,0,0,2,0,0,-1\n");
