@@ -87,6 +87,13 @@ pub(super) fn lowest(scene: &SceneDescription, up: DVec3) -> f64 {
     if lowest.is_finite() { lowest } else { 0.0 }
 }
 
+/// The largest extent along an axis of every surface that has an end, m.
+pub(super) fn size(scene: &SceneDescription) -> f64 {
+    let (mut lo, mut hi) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    each_point(scene, |p| (lo, hi) = (lo.min(p), hi.max(p)));
+    (hi - lo).max_element().max(0.0)
+}
+
 /// Calls `visit` with points whose convex hull holds every surface that has an end.
 fn each_point(scene: &SceneDescription, mut visit: impl FnMut(DVec3)) {
     for surface in &scene.surfaces {

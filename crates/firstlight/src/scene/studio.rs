@@ -1,10 +1,13 @@
 //! A photographer's studio for a model that comes without one: camera, key light, light at the camera, ground.
 
 use super::description::*;
-use super::framing::{frame, lowest};
+use super::framing::{frame, lowest, size};
 use crate::color::Rgb;
 use glam::{DAffine3, DQuat, DVec3};
 use std::f64::consts::PI;
+
+/// How far below the model the ground lies, relative to the model's size: enough to keep flat models apart from it.
+const GAP: f64 = 1e-3;
 
 /// What to put around a model. Every part can be changed or left out; what the model brings itself is kept.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,9 +34,9 @@ impl Default for Studio {
             up: DVec3::Z,
             azimuth: 30_f64.to_radians(),
             elevation: 20_f64.to_radians(),
-            key: Some(2.6),
+            key: Some(2.8),
             headlight: Some(0.8),
-            ground: Some(Rgb::splat(0.6)),
+            ground: Some(Rgb::splat(0.7)),
             background: None,
         }
     }
@@ -48,7 +51,7 @@ impl Studio {
         if scene.lights.is_empty() {
             scene.lights.extend(self.lights());
         }
-        let far_ground = self.ground.map(|reflectance| self.far_radiance(reflectance));
+        let far_ground = self.ground.map(|reflectance| self.far_radiance(scene, reflectance));
         scene.background = self.background.or(far_ground).unwrap_or(scene.background);
         if let Some(reflectance) = self.ground {
             self.lay_ground(scene, reflectance);
@@ -81,18 +84,25 @@ impl Studio {
         key.into_iter().chain(self.headlight.map(|e| described("headlight", head(e)))).collect()
     }
 
-    /// Radiance of the ground where the light at the camera only grazes it.
-    fn far_radiance(&self, reflectance: Rgb) -> Rgb {
-        let irradiance = self.key.unwrap_or(0.0) * self.toward_key().dot(self.up);
-        reflectance * (irradiance / PI) as f32
+    /// Radiance of the ground far away, where points and the light at the camera no longer reach.
+    fn far_radiance(&self, scene: &SceneDescription, reflectance: Rgb) -> Rgb {
+        let radiance = scene.lights.iter().map(|described| match described.light {
+            Light::Directional { direction, irradiance } => {
+                irradiance * (direction.dot(-self.up).max(0.0) / PI) as f32
+            }
+            Light::Ambient { radiance } => radiance,
+            _ => Rgb::ZERO,
+        });
+        reflectance * radiance.sum::<Rgb>()
     }
 
     fn lay_ground(&self, scene: &mut SceneDescription, reflectance: Rgb) {
-        let lowest = lowest(scene, self.up);
+        let (lowest, size) = (lowest(scene, self.up), size(scene));
+        let height = lowest - GAP * size;
         scene.materials.push(Material::matte("ground", reflectance));
         scene.surfaces.push(Surface {
             name: "ground".into(),
-            shape: Shape::Plane(Plane { point: lowest * self.up, normal: self.up }),
+            shape: Shape::Plane(Plane { point: height * self.up, normal: self.up }),
             material: scene.materials.len() - 1,
             transform: DAffine3::IDENTITY,
         });

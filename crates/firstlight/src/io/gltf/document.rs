@@ -385,8 +385,10 @@ impl Document {
     /// Parses the JSON and checks that it is glTF 2.
     ///
     /// # Errors
-    /// With line and column where the JSON is broken or a field has the wrong type; if the version is not 2.
+    /// With line and column where the JSON is broken or a field has the wrong type; if the version is not 2; if
+    /// there are far more objects than a model of this size has.
     pub(super) fn parse(json: &[u8], name: &str) -> Result<Self> {
+        check_density(json, name)?;
         match serde_json::from_slice::<Self>(json) {
             Ok(document) => document.asset.check(name).map(|()| document),
             // Another version has other fields: say that rather than which field is odd.
@@ -399,6 +401,18 @@ impl Document {
             },
         }
     }
+}
+
+/// Empty objects take many times the memory of their text; no model consists of them.
+fn check_density(json: &[u8], name: &str) -> Result<()> {
+    const FREE: usize = 500_000;
+    const BYTES_PER_OBJECT: usize = 16;
+    let objects = json.iter().filter(|&&byte| byte == b'{').count();
+    if objects.saturating_sub(FREE) <= json.len() / BYTES_PER_OBJECT {
+        return Ok(());
+    }
+    let cause = format!("{objects} objects in {} bytes of JSON are too many", json.len());
+    Err(Box::new(Diagnostic::new(name, cause)))
 }
 
 #[derive(Deserialize)]
@@ -457,6 +471,12 @@ mod tests {
     fn a_number_too_large_for_a_float_is_refused() {
         let json = r#"{"asset": {"version": "2.0"}, "materials": [{"alphaCutoff": 1e300}]}"#;
         assert!(complaint(json).contains("1e300 is too large"));
+    }
+
+    #[test]
+    fn millions_of_empty_objects_are_refused() {
+        let json = format!("{{\"nodes\": [{}{{}}]}}", "{},".repeat(1_000_000));
+        assert!(complaint(&json).contains("1000002 objects in 3000015 bytes"), "{}", json.len());
     }
 
     #[test]

@@ -61,7 +61,8 @@ impl Materials {
         if let Some(place) = self.default {
             return place;
         }
-        let white = Material { double_sided: false, ..Material::matte("default", Rgb::ONE) };
+        let mut white = Material { double_sided: false, ..Material::matte("default", Rgb::ONE) };
+        white.reflectance.vertex_colors = true;
         let place = self.add(white);
         self.default = Some(place);
         place

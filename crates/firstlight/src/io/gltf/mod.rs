@@ -68,12 +68,15 @@ struct Builder<'a, 'n, 'f> {
     meshes: Meshes<'a>,
     materials: Materials,
     scene: SceneDescription,
+    /// Bytes that surfaces may still take.
+    left: u64,
 }
 
 impl<'a, 'n, 'f> Builder<'a, 'n, 'f> {
     fn new(data: &'a Data<'a>, notes: &'n mut Notes<'f>) -> Self {
         let (meshes, materials) = (Meshes::new(data), Materials::new(data));
-        Self { data, notes, meshes, materials, scene: SceneDescription::default() }
+        let left = data.access.limits.decoded_bytes;
+        Self { data, notes, meshes, materials, scene: SceneDescription::default(), left }
     }
 
     fn build(mut self) -> Result<SceneDescription> {
@@ -113,11 +116,14 @@ impl<'a, 'n, 'f> Builder<'a, 'n, 'f> {
     }
 
     fn surface(&mut self, name: &str, part: Part, transform: DAffine3) -> Result<()> {
-        let limit = self.data.access.limits.decoded_bytes / size_of::<Surface>() as u64;
-        if self.scene.surfaces.len() as u64 >= limit {
-            let cause = format!("the scene has more than {limit} surfaces, which is the limit");
+        // Twice its size, because a list that grows is copied.
+        let size = 2 * size_of::<Surface>() + name.len();
+        let Some(left) = self.left.checked_sub(size as u64) else {
+            let count = self.scene.surfaces.len();
+            let cause = format!("the scene has more than {count} surfaces, which is the limit");
             return Err(self.data.error("nodes", cause));
-        }
+        };
+        self.left = left;
         let (shape, material) = (Shape::Mesh(part.mesh), part.material);
         self.scene.surfaces.push(Surface { name: name.to_owned(), shape, material, transform });
         Ok(())

@@ -4,6 +4,8 @@ use super::data::Data;
 use super::document::Node;
 use crate::diagnostic::Result;
 use glam::{DAffine3, DMat4, DQuat, DVec3};
+use std::iter::Enumerate;
+use std::slice::Iter;
 
 /// A node in the world.
 pub(super) struct Placed<'a> {
@@ -15,22 +17,54 @@ pub(super) struct Placed<'a> {
     pub(super) transform: DAffine3,
 }
 
-/// All nodes of the scene to show, parents before children: the default scene, else the first, else all.
+/// The nodes of the scene that show something, parents before children: of the default scene, else the first,
+/// else of all.
 ///
 /// # Errors
 /// If a node does not exist, is reached twice or has a transform that is not finite and affine.
 pub(super) fn place<'a>(data: &Data<'a>) -> Result<Vec<Placed<'a>>> {
-    let nodes = &data.document.nodes;
-    let mut parents = vec![None; nodes.len()];
-    let mut open: Vec<(u32, Parent, DAffine3)> = Vec::new();
-    for (root, parent) in roots(data)?.into_iter().rev() {
-        open.push((root, parent, DAffine3::IDENTITY));
+    let parents = vec![None; data.document.nodes.len()];
+    let mut tree = Tree { data, parents, placed: Vec::new() };
+    for (root, parent) in roots(data)? {
+        tree.walk(root, parent)?;
     }
-    let mut placed = Vec::new();
-    // Depth first without recursion: the depth of the tree is the file's choice.
-    while let Some((index, parent, above)) = open.pop() {
-        let node = data.at(nodes, index, "node", &parent.part())?;
-        if let Some(slot) = parents.get_mut(index as usize)
+    Ok(tree.placed)
+}
+
+struct Tree<'a, 'd> {
+    data: &'d Data<'a>,
+    /// From where each node was reached.
+    parents: Vec<Option<Parent>>,
+    placed: Vec<Placed<'a>>,
+}
+
+/// A node whose children are being visited.
+struct Open<'a> {
+    index: u32,
+    children: Enumerate<Iter<'a, u32>>,
+    transform: DAffine3,
+}
+
+impl<'a> Tree<'a, '_> {
+    /// Visits a root and all below it, without recursion: the depth of the tree is the file's choice.
+    fn walk(&mut self, root: u32, parent: Parent) -> Result<()> {
+        let mut open = vec![self.enter(root, parent, DAffine3::IDENTITY)?];
+        while let Some(node) = open.last_mut() {
+            match node.children.next() {
+                Some((i, &child)) => {
+                    let (parent, above) = (Parent::Node(node.index, i), node.transform);
+                    open.push(self.enter(child, parent, above)?);
+                }
+                None => drop(open.pop()),
+            }
+        }
+        Ok(())
+    }
+
+    fn enter(&mut self, index: u32, parent: Parent, above: DAffine3) -> Result<Open<'a>> {
+        let data = self.data;
+        let node = data.at(&data.document.nodes, index, "node", &parent.part())?;
+        if let Some(slot) = self.parents.get_mut(index as usize)
             && let Some(first) = slot.replace(parent)
         {
             let cause = format!(
@@ -44,11 +78,11 @@ pub(super) fn place<'a>(data: &Data<'a>) -> Result<Vec<Placed<'a>>> {
             let cause = "its transform in the world is not a finite number";
             return Err(data.error(format!("nodes[{index}]"), cause));
         }
-        placed.push(Placed { node, index, transform });
-        let children = node.children.iter().enumerate().rev();
-        open.extend(children.map(|(i, &child)| (child, Parent::Node(index, i), transform)));
+        if node.mesh.is_some() || node.camera.is_some() || node.extensions.is_some() {
+            self.placed.push(Placed { node, index, transform });
+        }
+        Ok(Open { index, children: node.children.iter().enumerate(), transform })
     }
-    Ok(placed)
 }
 
 /// From where a node was reached.
