@@ -125,7 +125,7 @@ pub(crate) struct StudioArgs {
     /// Direction of the camera: above the horizon [default: 20]
     #[arg(long, value_name = "DEG", value_parser = elevation, allow_hyphen_values = true)]
     pub elevation: Option<f64>,
-    /// Irradiance of the key light, such as 2.6 (W/m²), "10 klx" or off [default: 2.6, off with lights of the model]
+    /// Irradiance of the key light, such as 2.8 (W/m²), "10 klx" or off [default: 2.8, off with lights of the model]
     #[arg(long, value_name = "AMOUNT|off", value_parser = irradiance, allow_hyphen_values = true)]
     pub key: Option<Switch<Quantity>>,
     /// Irradiance of the light at the camera [default: 0.8, off with lights of the model]
@@ -134,7 +134,7 @@ pub(crate) struct StudioArgs {
     /// Colour of the ground [default: a light grey; off with lights of the model or --transparent]
     #[arg(long, value_name = "COLOR|off", value_parser = ground)]
     pub ground: Option<Switch<[f32; 4]>>,
-    /// Colour of the background [default: that of the ground]
+    /// Colour of the background, where there is no ground [default: that of the ground]
     #[arg(long, value_name = "COLOR", value_parser = firstlight::color::parse)]
     pub background: Option<[f32; 4]>,
     /// Which axis of the file points up [default: z for STL, else y]
@@ -352,6 +352,21 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn the_help_tells_the_defaults_of_the_studio() {
+        let mut command = Arguments::command();
+        let help = command.find_subcommand_mut("render").unwrap().render_long_help().to_string();
+        let help: String = help.split_whitespace().collect::<Vec<_>>().join(" ");
+        let usual = firstlight::scene::Studio::default();
+        let (key, headlight) = (usual.key.unwrap(), usual.headlight.unwrap());
+        for value in [usual.azimuth.to_degrees().round(), usual.elevation.to_degrees().round()] {
+            assert!(help.contains(&format!("[default: {value}]")), "{value}");
+        }
+        for value in [key, headlight] {
+            assert!(help.contains(&format!("[default: {value}, off")), "{value}");
+        }
     }
 
     #[test]

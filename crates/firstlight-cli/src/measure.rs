@@ -2,7 +2,7 @@
 
 use crate::args::MeasureArgs;
 use crate::input::{STDIN, choose_camera, read_stdin};
-use crate::output::print;
+use crate::output::print_all;
 use crate::rows::{self, Kind, Query};
 use crate::{Exit, Outcome, report, verdict};
 use clap::{Arg, ArgAction, ArgMatches, Command, FromArgMatches};
@@ -24,12 +24,20 @@ pub(crate) fn run(args: &MeasureArgs) -> Outcome {
     report::warnings(&warnings);
     let scene = Scene::build(&scene);
     let readings = queries.iter().map(|query| Reading::take(&scene, query));
-    let text = match args.json {
-        true => format!("{:#}\n", readings.map(|reading| reading.json()).collect::<Value>()),
-        false => readings.map(|reading| reading.text()).collect(),
-    };
-    print(text.as_bytes())?;
+    if args.json {
+        print_all(json_list(readings.map(|reading| reading.json())))?;
+    } else {
+        print_all(readings.map(|reading| reading.text()))?;
+    }
     Ok(Exit::Done)
+}
+
+/// A JSON list, one element a line. It is never in memory as a whole.
+fn json_list(values: impl Iterator<Item = Value>) -> impl Iterator<Item = String> {
+    let line = |(index, value)| format!("{}\n  {value}", if index == 0 { "[" } else { "," });
+    let mut lines = values.enumerate().map(line).peekable();
+    let start = lines.peek().is_none().then(|| "[".to_owned());
+    start.into_iter().chain(lines).chain(["\n]\n".to_owned()])
 }
 
 impl MeasureArgs {

@@ -5,7 +5,7 @@ use crate::{Exit, Failure, Outcome};
 use firstlight::diagnostic::Diagnostic;
 use firstlight::io::{self, Format};
 use std::ffi::OsStr;
-use std::io::{ErrorKind, IsTerminal, Write};
+use std::io::{BufWriter, ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
 /// A picture to be written; that it can be is checked before it is rendered.
@@ -126,10 +126,17 @@ fn rescue(format: Format, bytes: &[u8]) -> Option<PathBuf> {
     file.keep().ok().map(|(_, path)| path)
 }
 
-/// Sends data to standard output. That its reader went away is no failure.
+/// Sends data to standard output.
 pub(crate) fn print(bytes: &[u8]) -> Outcome<()> {
-    let mut stdout = std::io::stdout().lock();
-    match stdout.write_all(bytes).and_then(|()| stdout.flush()) {
+    print_all(std::iter::once(bytes))
+}
+
+/// Sends data to standard output, piece by piece as it comes. That its reader went away is no failure.
+pub(crate) fn print_all<T: AsRef<[u8]>>(pieces: impl IntoIterator<Item = T>) -> Outcome<()> {
+    let mut stdout = BufWriter::new(std::io::stdout().lock());
+    let mut pieces = pieces.into_iter();
+    let written = pieces.try_for_each(|piece| stdout.write_all(piece.as_ref()));
+    match written.and_then(|()| stdout.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure {
             exit: Exit::Failed,
             error: Box::new(Diagnostic::new("standard output", format!("cannot write: {error}"))),

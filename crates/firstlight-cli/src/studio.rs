@@ -103,14 +103,16 @@ pub(crate) fn dress(scene: &mut SceneDescription, args: &RenderArgs) -> Result<(
         }
         scene.cameras.clear();
     }
-    let own_lights = std::mem::take(&mut scene.lights);
-    if !own_lights.is_empty() && !sets_exposure(args) {
-        scene.film.exposure = Exposure::Auto;
+    let own_lights = !scene.lights.is_empty();
+    let (transparent, efficacy) = (scene.film.transparent, scene.luminous_efficacy.0);
+    let studio = args.studio.studio(own_lights, transparent, efficacy);
+    if own_lights {
+        scene.lights.extend(studio.lights());
+        if !sets_exposure(args) {
+            scene.film.exposure = Exposure::Auto;
+        }
     }
-    let efficacy = scene.luminous_efficacy.0;
-    let transparent = scene.film.transparent;
-    args.studio.studio(!own_lights.is_empty(), transparent, efficacy).dress(scene);
-    scene.lights.splice(0..0, own_lights);
+    studio.dress(scene);
     Ok(())
 }
 

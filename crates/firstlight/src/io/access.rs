@@ -77,19 +77,24 @@ impl FileAccess {
 /// The bytes of the file at `path`, which must be a regular file.
 ///
 /// # Errors
-/// If it does not exist, is a folder or cannot be read.
+/// As [`check_file`], and if it cannot be read.
 pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>> {
-    if path.is_dir() {
-        return Err(Box::new(Diagnostic::new(shown(path), "this is a folder, not a file")));
-    }
-    // A device or a pipe may never end.
-    if path.exists() && !path.is_file() {
-        return Err(Box::new(Diagnostic::new(
-            shown(path),
-            "this is a device or a pipe, not a file",
-        )));
-    }
+    check_file(path)?;
     std::fs::read(path).map_err(|e| Box::new(Diagnostic::new(shown(path), cause(&e))))
+}
+
+/// Whether there is a regular file at `path`: a device or a pipe may never end.
+///
+/// # Errors
+/// If it does not exist, is a folder, a device or a pipe.
+pub(crate) fn check_file(path: &Path) -> Result<()> {
+    let found = std::fs::metadata(path).map_err(|e| Diagnostic::new(shown(path), cause(&e)))?;
+    let message = match found {
+        found if found.is_file() => return Ok(()),
+        found if found.is_dir() => "this is a folder, not a file",
+        _ => "this is a device or a pipe, not a file",
+    };
+    Err(Box::new(Diagnostic::new(shown(path), message)))
 }
 
 /// A path as text for messages.

@@ -1,6 +1,6 @@
 //! Any file that holds a scene.
 
-use super::access::{read_file, shown};
+use super::access::{check_file, read_file, shown};
 use super::scene_file::{self, Override};
 use super::{FileAccess, Warnings};
 use crate::diagnostic::{Diagnostic, Result};
@@ -25,6 +25,7 @@ pub fn load(
         let text = scene_file::text(read_file(path)?, &name)?;
         return scene_file::read(&text, &name, overrides, access, warnings);
     }
+    check_file(path)?;
     let text = scene_around(path).ok_or_else(|| no_file(path))?;
     scene_file::read(&text, &name, overrides, access, warnings)
 }

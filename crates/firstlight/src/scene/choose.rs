@@ -18,15 +18,15 @@ impl SceneDescription {
 
     fn find_camera(&self, name: &str) -> Option<usize> {
         let exact = self.cameras.iter().position(|camera| camera.name == name);
-        let own_name = |full: &str| full.rsplit_once('/').is_some_and(|(_, own)| own == name);
-        let mut alike = (0..self.cameras.len()).filter(|&i| own_name(&self.cameras[i].name));
+        let mut alike =
+            (0..self.cameras.len()).filter(|&i| own_name(&self.cameras[i].name) == Some(name));
         exact.or_else(|| alike.next().filter(|_| alike.next().is_none()))
     }
 
     fn no_camera(&self, name: &str) -> Box<Diagnostic> {
         const MOST_LISTED: usize = 20;
         let names = || self.cameras.iter().map(|camera| camera.name.as_str());
-        let hint = did_you_mean(name, names());
+        let hint = did_you_mean(name, names().chain(names().filter_map(own_name)));
         let error = Diagnostic::new("", format!("there is no camera {}{hint}", quoted(name)));
         if self.cameras.is_empty() {
             return Box::new(error.help("the scene has no cameras of its own"));
@@ -35,6 +35,11 @@ impl SceneDescription {
         let more = if self.cameras.len() > MOST_LISTED { ", …" } else { "" };
         Box::new(error.help(format!("its cameras are {}{more}", listed.join(", "))))
     }
+}
+
+/// A camera's name inside its model.
+fn own_name(full: &str) -> Option<&str> {
+    full.rsplit_once('/').map(|(_, own)| own)
 }
 
 #[cfg(test)]
@@ -86,6 +91,8 @@ mod tests {
         let error = scene(&["camera", "top"]).choose_camera("tpo").unwrap_err().to_string();
         assert!(error.contains("did you mean \"top\"?"), "{error}");
         assert!(error.contains("its cameras are \"camera\", \"top\""), "{error}");
+        let error = scene(&["m/front"]).choose_camera("fornt").unwrap_err().to_string();
+        assert!(error.contains("did you mean \"front\"?"), "{error}");
         assert!(scene(&[]).choose_camera("x").unwrap_err().to_string().contains("no cameras"));
     }
 }

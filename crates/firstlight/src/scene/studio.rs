@@ -71,7 +71,8 @@ impl Studio {
         Self { azimuth, elevation, ..self.clone() }.toward_camera()
     }
 
-    fn lights(&self) -> Vec<LightDescription> {
+    /// The key light and the light at the camera, those that there are.
+    pub fn lights(&self) -> Vec<LightDescription> {
         let described =
             |name: &str, light| LightDescription { name: name.into(), light, shadows: true };
         let key = |e: f64| Light::Directional {

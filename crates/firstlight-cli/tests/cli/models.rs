@@ -1,0 +1,103 @@
+//! Models in the studio.
+
+use super::{Folder, decode};
+use std::fs;
+
+/// A tetrahedron that is taller along y than along z.
+const MODEL: &str = "v 0 0 0\nv 1 0 0\nv 0 3 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+
+/// A triangle under a lamp of its own, seen by a camera of its own, without any other file.
+const WITH_LIGHT: &str = r#"{
+  "asset": { "version": "2.0" }, "scene": 0,
+  "extensionsUsed": ["KHR_lights_punctual"],
+  "extensions": { "KHR_lights_punctual": { "lights": [{ "type": "point", "intensity": 100, "name": "lamp" }] } },
+  "scenes": [{ "nodes": [0, 1, 2] }],
+  "nodes": [
+    { "mesh": 0 },
+    { "translation": [0.3, 0.3, 2], "extensions": { "KHR_lights_punctual": { "light": 0 } } },
+    { "translation": [0.3, 0.3, 3], "camera": 0, "name": "front" }
+  ],
+  "cameras": [{ "type": "perspective", "perspective": { "yfov": 0.6, "znear": 0.1 } }],
+  "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 } }] }],
+  "accessors": [{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0] }],
+  "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
+  "buffers": [{ "byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA" }]
+}"#;
+
+fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.write("my model.obj", MODEL);
+    folder.write("m.obj", MODEL);
+    folder.write("lit.gltf", WITH_LIGHT);
+    folder
+}
+
+fn picture(folder: &Folder, line: &str) -> Vec<u8> {
+    folder.run(&format!("render {line} -q -r 40x30 --spp 2 -o out.png")).done();
+    decode(&fs::read(folder.path("out.png")).expect("a picture")).2
+}
+
+#[test]
+fn a_model_is_shown_in_a_studio() {
+    let folder = folder();
+    let ran = folder.run("render m.obj -r 40x30 --spp 2 --strict").done();
+    assert!(ran.stderr.starts_with("wrote m.png: 40×30, 2 spp"), "{}", ran.stderr);
+    let usual = picture(&folder, "m.obj");
+    for flags in [
+        "--azimuth 100",
+        "--elevation -5",
+        "--key off",
+        "--headlight off",
+        "--ground off",
+        "--up z",
+        "--ground off --background navy",
+    ] {
+        assert!(picture(&folder, &format!("m.obj {flags}")) != usual, "{flags}");
+    }
+    // Millimetres change the size but, framed anew, hardly the picture.
+    let json = folder.run("render m.obj --json -r 40x30 --unit mm").done().json();
+    assert_eq!((json["triangles"].as_u64(), json["lights"].as_u64()), (Some(4), Some(2)));
+}
+
+#[test]
+fn up_and_unit_reach_a_model_of_any_name() {
+    let folder = folder();
+    let mut command = folder.command("render --up z --unit cm -r 8x8 -q -o a.png");
+    assert!(command.arg("my model.obj").status().unwrap().success());
+    folder.run("render m.obj --unit parsec").fails(2, &["unit of length", "parsec"]);
+}
+
+#[test]
+fn a_model_without_ground_can_be_cut_out() {
+    let folder = folder();
+    let codes = picture(&folder, "m.obj --transparent");
+    assert_eq!(codes.len(), 40 * 30 * 4);
+    assert!(codes.chunks(4).any(|pixel| pixel[3] == 0));
+}
+
+#[test]
+fn darkness_that_was_asked_for_is_still_told() {
+    let ran = folder().run("render m.obj -r 8x8 --key off --headlight off");
+    ran.fails(0, &["warning: there are no lights"]);
+}
+
+#[test]
+fn a_models_own_light_and_camera_are_used_alone() {
+    let folder = folder();
+    let ran = folder.run("render lit.gltf -r 40x30 --json").done();
+    let json = ran.json();
+    assert_eq!((json["lights"].as_u64(), json["surfaces"].as_u64()), (Some(1), Some(1)));
+    assert_ne!(json["exposure_ev"], 0.0);
+    let fixed = folder.run("render lit.gltf -r 40x30 --json -D film.exposure=0").done().json();
+    assert_eq!(fixed["exposure_ev"], 0.0);
+    let fixed = folder.run("render lit.gltf -r 40x30 --json --exposure 1").done().json();
+    assert_eq!(fixed["exposure_ev"], 1.0);
+    let own = picture(&folder, "lit.gltf");
+    assert!(own == picture(&folder, "lit.gltf --camera front"));
+    assert!(own != picture(&folder, "lit.gltf --camera frame"));
+    assert!(own != picture(&folder, "lit.gltf --azimuth 0"));
+    let both = folder.run("render lit.gltf --json -r 8x8 --headlight 1").done().json();
+    assert_eq!(both["lights"], 2);
+    folder.run("render lit.gltf --camera fornt").fails(2, &["did you mean"]);
+    folder.run("render lit.gltf --camera front --azimuth 3").fails(2, &["a direction of its own"]);
+}
