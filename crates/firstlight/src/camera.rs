@@ -4,7 +4,7 @@ use crate::geometry::Ray;
 use crate::math::tangents;
 use crate::scene::description::{CameraDescription, Projection};
 use glam::{DVec3, Vec2, Vec3};
-use std::f64::consts::TAU;
+use std::f32::consts::TAU;
 
 /// A camera with its film: turns points of the picture into rays.
 #[derive(Debug, Clone)]
@@ -12,11 +12,15 @@ pub struct Camera {
     width: u32,
     height: u32,
     position: DVec3,
-    forward: DVec3,
-    /// Half the picture's height in the plane at distance 1 (or in metres, if orthographic), as a vector up.
-    half_up: DVec3,
-    /// The same for its width, to the right.
-    half_right: DVec3,
+    forward: Vec3,
+    /// Unit vectors to the right and up in the picture.
+    right: Vec3,
+    up: Vec3,
+    /// The film in the plane at distance 1 (in metres, if orthographic), relative to the middle of the view: its
+    /// upper left corner, and one pixel to the right and down.
+    corner: Vec3,
+    pixel_right: Vec3,
+    pixel_down: Vec3,
     lens: Lens,
 }
 
@@ -24,7 +28,7 @@ pub struct Camera {
 enum Lens {
     Parallel,
     Pinhole,
-    Thin { radius: f64, focus: f64 },
+    Thin { radius: f32, focus: f32 },
 }
 
 impl Camera {
@@ -34,17 +38,20 @@ impl Camera {
         let right = forward.cross(description.up).try_normalize();
         let right = right.unwrap_or_else(|| tangents(forward).0);
         let up = right.cross(forward);
-        let (half_height, lens) = match description.projection {
-            Projection::Orthographic { height } => (0.5 * height, Lens::Parallel),
-            Projection::Perspective { vertical_fov } => ((0.5 * vertical_fov).tan(), Lens::Pinhole),
-            Projection::ThinLens { vertical_fov, aperture, focus_distance } => {
-                let lens = Lens::Thin { radius: 0.5 * aperture, focus: focus_distance };
-                ((0.5 * vertical_fov).tan(), lens)
-            }
-        };
+        let (half_height, lens) = film_and_lens(&description.projection);
         let half_width = half_height * f64::from(width) / f64::from(height);
-        let (half_up, half_right) = (up * half_height, right * half_width);
-        Self { width, height, position: description.position, forward, half_up, half_right, lens }
+        Self {
+            width,
+            height,
+            position: description.position,
+            forward: forward.as_vec3(),
+            right: right.as_vec3(),
+            up: up.as_vec3(),
+            corner: (up * half_height - right * half_width).as_vec3(),
+            pixel_right: (right * (2.0 * half_width / f64::from(width))).as_vec3(),
+            pixel_down: (-up * (2.0 * half_height / f64::from(height))).as_vec3(),
+            lens,
+        }
     }
 
     /// Pixels per row.
@@ -66,18 +73,17 @@ impl Camera {
     /// The ray through a point of the film, in pixels from its upper left corner, and a point of the lens: two
     /// numbers in 0..1 that are spread evenly over its area.
     pub fn ray(&self, film: Vec2, lens: Vec2) -> Ray {
-        let x = 2.0 * f64::from(film.x) / f64::from(self.width) - 1.0;
-        let y = 1.0 - 2.0 * f64::from(film.y) / f64::from(self.height);
-        let across = x * self.half_right + y * self.half_up;
-        let (origin, direction) = match self.lens {
-            Lens::Parallel => (self.position + across, self.forward),
-            Lens::Pinhole => (self.position, self.forward + across),
+        let across = self.corner + film.x * self.pixel_right + film.y * self.pixel_down;
+        let position = self.position.as_vec3();
+        match self.lens {
+            Lens::Parallel => Ray::new((self.position + across.as_dvec3()).as_vec3(), self.forward),
+            Lens::Pinhole => Ray::new(position, (self.forward + across).normalize()),
             Lens::Thin { radius, focus } => {
                 let shift = radius * self.on_lens(lens);
-                (self.position + shift, (self.forward + across) * focus - shift)
+                let to_focus = (self.forward + across) * focus - shift;
+                Ray::new(position + shift, to_focus.normalize())
             }
-        };
-        Ray::new(origin.as_vec3(), direction.normalize().as_vec3())
+        }
     }
 
     /// Where the light at the camera is, m; `None` if the camera is infinitely far away.
@@ -88,13 +94,24 @@ impl Camera {
 
     /// The unit direction in which the camera looks.
     pub(crate) fn forward(&self) -> Vec3 {
-        self.forward.as_vec3()
+        self.forward
     }
 
     /// A point of the unit disk across the view, from two numbers in 0..1.
-    fn on_lens(&self, sample: Vec2) -> DVec3 {
-        let (sin, cos) = (TAU * f64::from(sample.y)).sin_cos();
-        let (right, up) = (self.half_right.normalize(), self.half_up.normalize());
-        f64::from(sample.x).sqrt() * (cos * right + sin * up)
+    fn on_lens(&self, sample: Vec2) -> Vec3 {
+        let (sin, cos) = (TAU * sample.y).sin_cos();
+        sample.x.sqrt() * (cos * self.right + sin * self.up)
+    }
+}
+
+/// Half the height of the film in the plane at distance 1 (in metres, if orthographic), and the lens before it.
+fn film_and_lens(projection: &Projection) -> (f64, Lens) {
+    match *projection {
+        Projection::Orthographic { height } => (0.5 * height, Lens::Parallel),
+        Projection::Perspective { vertical_fov } => ((0.5 * vertical_fov).tan(), Lens::Pinhole),
+        Projection::ThinLens { vertical_fov, aperture, focus_distance } => {
+            let (radius, focus) = (0.5 * aperture as f32, focus_distance as f32);
+            ((0.5 * vertical_fov).tan(), Lens::Thin { radius, focus })
+        }
     }
 }

@@ -16,6 +16,11 @@ pub(crate) struct Analytic {
     kind: Kind,
     to_world: DAffine3,
     to_object: DAffine3,
+    /// The third row of `to_object`, which alone decides where a flat shape is crossed, and the unit normal.
+    height: DVec3,
+    height_at_origin: f64,
+    flat_normal: DVec3,
+    magnitude: f64,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,7 +58,19 @@ pub(crate) struct AnalyticPoint {
 impl Analytic {
     fn new(kind: Kind, shape_to_object: DAffine3, transform: &DAffine3) -> Self {
         let to_world = *transform * shape_to_object;
-        Self { kind, to_world, to_object: to_world.inverse() }
+        let to_object = to_world.inverse();
+        let height = to_object.matrix3.row(2);
+        let m = to_world.matrix3;
+        let stretch = (m.x_axis.abs() + m.y_axis.abs() + m.z_axis.abs()).max_element();
+        Self {
+            kind,
+            to_world,
+            to_object,
+            height,
+            height_at_origin: to_object.translation.z,
+            flat_normal: height.normalize(),
+            magnitude: to_world.translation.abs().max_element() + stretch,
+        }
     }
 
     /// A sphere under `transform`.
@@ -122,30 +139,45 @@ impl Analytic {
 
     /// Crossings of the ray's line inside the ray's range, nearest first, as (distance, part).
     pub(crate) fn crossings(&self, ray: &Ray) -> impl Iterator<Item = (f64, u32)> + use<> {
-        let origin = self.to_object.transform_point3(ray.origin.as_dvec3());
-        let direction = self.to_object.transform_vector3(ray.direction.as_dvec3());
         let (t_min, t_max) = (f64::from(ray.t_min), f64::from(ray.t_max));
-        let crossings = self.kind.crossings(origin, direction);
+        let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+        let crossings = if self.kind.is_flat() {
+            let t = -(self.height.dot(origin) + self.height_at_origin) / self.height.dot(direction);
+            let within = t > t_min && t <= t_max && self.covers(origin + t * direction);
+            [within.then_some((t, 0)), None, None]
+        } else {
+            let origin = self.to_object.transform_point3(origin);
+            self.kind.crossings(origin, self.to_object.transform_vector3(direction))
+        };
         crossings.into_iter().flatten().filter(move |&(t, _)| t > t_min && t <= t_max)
+    }
+
+    /// Whether a point of a flat shape's plane belongs to it.
+    fn covers(&self, point: DVec3) -> bool {
+        self.kind == Kind::Plane || {
+            let p = self.to_object.transform_point3(point).truncate();
+            match self.kind {
+                Kind::Disk => p.length_squared() <= 1.0,
+                _ => p.cmpge(DVec2::ZERO).all() && p.cmple(DVec2::ONE).all(),
+            }
+        }
     }
 
     /// The point of `part` nearest to where the ray is at `t`, put back onto the surface.
     pub(crate) fn point(&self, ray: &Ray, t: f64, part: u32) -> AnalyticPoint {
         let along = ray.origin.as_dvec3() + t * ray.direction.as_dvec3();
         let (local, normal, uv) = self.kind.point(self.to_object.transform_point3(along), part);
-        let outward = self.to_object.matrix3.transpose() * normal;
-        AnalyticPoint {
-            position: self.to_world.transform_point3(local),
-            normal: outward.normalize(),
-            uv,
-        }
+        let normal = if self.kind.is_flat() {
+            self.flat_normal
+        } else {
+            (self.to_object.matrix3.transpose() * normal).normalize()
+        };
+        AnalyticPoint { position: self.to_world.transform_point3(local), normal, uv }
     }
 
     /// Size of the numbers that positions are computed from, m: their rounding error is ε times this.
     pub(crate) fn magnitude(&self) -> f64 {
-        let m = self.to_world.matrix3;
-        self.to_world.translation.abs().max_element()
-            + (m.x_axis.abs() + m.y_axis.abs() + m.z_axis.abs()).max_element()
+        self.magnitude
     }
 }
 
@@ -158,12 +190,16 @@ fn frame(origin: DVec3, axis: DVec3, across: f64, along: f64) -> DAffine3 {
 }
 
 impl Kind {
+    /// Whether it lies in z = 0.
+    fn is_flat(self) -> bool {
+        matches!(self, Self::Plane | Self::Disk | Self::Quad)
+    }
+
+    /// Crossings of a line with a shape that is not flat.
     fn crossings(self, o: DVec3, d: DVec3) -> Crossings {
         match self {
             Self::Sphere => both(quadratic(d.length_squared(), o.dot(d), sphere_c(o, d)), |_| true),
-            Self::Plane => flat(o, d, |_| true),
-            Self::Disk => flat(o, d, |p| p.length_squared() <= 1.0),
-            Self::Quad => flat(o, d, |p| p.cmpge(DVec2::ZERO).all() && p.cmple(DVec2::ONE).all()),
+            Self::Plane | Self::Disk | Self::Quad => [None; 3],
             Self::Cube => cube(o, d),
             Self::Cylinder { capped: true } => capped_cylinder(o, d),
             Self::Cylinder { capped: false } => {
@@ -232,12 +268,6 @@ fn both(roots: Option<[f64; 2]>, inside: impl Fn(f64) -> bool) -> Crossings {
     [keep(near), keep(far), None]
 }
 
-fn flat(o: DVec3, d: DVec3, inside: impl Fn(DVec2) -> bool) -> Crossings {
-    let t = -o.z / d.z;
-    let crosses = t.is_finite() && inside((o + t * d).truncate());
-    [crosses.then_some((t, 0)), None, None]
-}
-
 /// Where a line enters and leaves the cube, with the faces.
 fn cube(o: DVec3, d: DVec3) -> Crossings {
     let mut interval = Interval::EVERYTHING;
@@ -284,8 +314,9 @@ fn cone(o: DVec3, d: DVec3, capped: bool) -> Crossings {
     let on_side = |t: &f64| (0.0..=1.0).contains(&(o.z + t * d.z));
     let linear = || (a == 0.0 && b != 0.0).then(|| [-c / (2.0 * b), f64::NAN]);
     let side = roots(a, b, c, b * b - a * c).or_else(linear).unwrap_or([f64::NAN; 2]);
-    let base = flat(o, d, |p| capped && p.length_squared() <= 1.0)[0].map(|(t, _)| (t, 1));
-    let mut found = [base, None, None];
+    let at_base = -o.z / d.z;
+    let on_base = (o + at_base * d).truncate().length_squared() <= 1.0;
+    let mut found = [(capped && on_base).then_some((at_base, 1)), None, None];
     for (slot, t) in found[1..].iter_mut().zip(side) {
         *slot = Some(t).filter(on_side).map(|t| (t, 0));
     }

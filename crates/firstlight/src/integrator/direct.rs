@@ -10,8 +10,8 @@ use crate::scene::description::Shadows;
 use crate::scene::{SeenByCamera, StopsLight};
 use crate::shading::bsdf::Bsdf;
 use crate::shading::interaction::SurfaceInteraction;
-use crate::shading::light::{Light, LightSample};
-use glam::Vec4Swizzles;
+use crate::shading::light::Light;
+use glam::{Vec3, Vec4Swizzles};
 use std::ops::AddAssign;
 
 /// How many rays were traced.
@@ -50,11 +50,14 @@ pub(crate) struct Scratch {
     pub counts: RayCounts,
 }
 
-/// A point to be shaded.
+/// A point to be shaded: what the lights need to know of a surface.
 struct Point {
     /// Index of the camera ray.
     ray: usize,
-    surface: SurfaceInteraction,
+    position: Vec3,
+    /// Where shadow rays start.
+    start: Vec3,
+    shading_normal: Vec3,
     bsdf: Bsdf,
 }
 
@@ -83,7 +86,7 @@ impl<'a> Direct<'a> {
         self.closest_hits(rays, scratch);
         self.surface_points(rays, scratch);
         for light in &self.scene.lights {
-            self.sample_light(light, rays, scratch);
+            self.sample_light(light, scratch);
             self.trace_shadows(scratch);
             sum(scratch);
         }
@@ -118,30 +121,35 @@ impl<'a> Direct<'a> {
             let emitted = self.scene.evaluate(&material.emission, &surface).xyz();
             let radiance = emitted + ambient_reflectance * self.scene.ambient;
             samples.push(Sample { radiance, alpha: 1.0 });
-            points.push(Point { ray, surface, bsdf: Bsdf::Lambert { reflectance } });
+            points.push(Point {
+                ray,
+                position: surface.position,
+                start: self.scene.shadow_start(&surface, &rays[ray]),
+                shading_normal: surface.shading_normal,
+                bsdf: Bsdf::Lambert { reflectance },
+            });
         }
     }
 
     /// What `light` would add to each point, with the shadow rays that decide whether it does.
-    fn sample_light(&self, light: &Light, rays: &[Ray], scratch: &mut Scratch) {
+    fn sample_light(&self, light: &Light, scratch: &mut Scratch) {
         let Scratch { points, shadow_rays, awaited, samples, .. } = scratch;
+        let t_min = self.scene.shadow_t_min();
+        let shadows = light.shadows && self.scene.shadows != Shadows::Off;
         shadow_rays.clear();
         awaited.clear();
         for point in points.iter() {
-            let Some(light_sample) = light.sample(point.surface.position.as_dvec3()) else {
-                continue;
-            };
-            let cos = point.surface.shading_normal.dot(light_sample.incoming);
-            let radiance = point.bsdf.value() * light_sample.irradiance * cos;
+            let Some(sample) = light.sample(point.position.as_dvec3()) else { continue };
+            let cos = point.shading_normal.dot(sample.incoming);
+            let radiance = point.bsdf.value() * sample.irradiance * cos;
             if cos <= 0.0 || radiance == Rgb::ZERO {
                 continue;
             }
-            match self.scene.shadow_ray(light, &light_sample, &point.surface, &rays[point.ray]) {
-                Some(ray) => {
-                    shadow_rays.push(ray);
-                    awaited.push(Awaited { ray: point.ray, radiance });
-                }
-                None => samples[point.ray].radiance += radiance,
+            if shadows {
+                shadow_rays.push(sample.ray_from(point.position, point.start, t_min));
+                awaited.push(Awaited { ray: point.ray, radiance });
+            } else {
+                samples[point.ray].radiance += radiance;
             }
         }
     }
@@ -162,26 +170,18 @@ fn sum(scratch: &mut Scratch) {
 }
 
 impl Scene {
-    /// The ray that decides whether light reaches a point, by the scene's way of keeping it off the surface it
-    /// leaves; `None` if nothing can be in the way.
-    fn shadow_ray(
-        &self,
-        light: &Light,
-        sample: &LightSample,
-        surface: &SurfaceInteraction,
-        seen_along: &Ray,
-    ) -> Option<Ray> {
+    /// Where shadow rays from a surface start, by the scene's way of keeping them off it.
+    fn shadow_start(&self, surface: &SurfaceInteraction, seen_along: &Ray) -> Vec3 {
         let naive = || seen_along.at(surface.hit.t);
-        let (origin, t_min) = match self.shadows {
-            _ if !light.shadows => return None,
-            Shadows::Off => return None,
-            Shadows::Robust => (surface.ray_origin(), 0.0),
-            Shadows::Naive => (naive(), 0.0),
-            Shadows::TRange { epsilon } => (naive(), epsilon as f32),
-            Shadows::MovedStart { epsilon } => {
-                (naive() + epsilon as f32 * surface.geometric_normal, 0.0)
-            }
-        };
-        Some(sample.ray_from(surface.position, origin, t_min))
+        match self.shadows {
+            Shadows::Robust | Shadows::Off => surface.ray_origin(),
+            Shadows::Naive | Shadows::TRange { .. } => naive(),
+            Shadows::MovedStart { epsilon } => naive() + epsilon as f32 * surface.geometric_normal,
+        }
+    }
+
+    /// Where the range of shadow rays starts.
+    fn shadow_t_min(&self) -> f32 {
+        if let Shadows::TRange { epsilon } = self.shadows { epsilon as f32 } else { 0.0 }
     }
 }
