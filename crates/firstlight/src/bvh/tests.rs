@@ -115,6 +115,48 @@ fn every_level_gives_the_same_bits() {
     }
 }
 
+/// Rays of a pinhole, and parallel ones, eight by eight close to each other.
+fn coherent_rays() -> Vec<Ray> {
+    let mut random = Random::new(11);
+    let mut rays = Vec::new();
+    for group in 0..3000 {
+        let eye = DVec3::new(-4.0, 0.3, 0.7);
+        let target = 1.4 * random.point();
+        for _ in 0..8 {
+            let shift = 0.02 * random.point();
+            let (origin, toward) = if group % 2 == 0 {
+                (eye, target + shift - eye)
+            } else {
+                (eye + target + shift, -eye)
+            };
+            let mut ray = Ray::new(origin.as_vec3(), toward.normalize().as_vec3());
+            ray.t_min = if group % 5 == 0 { 4.0 } else { 0.0 };
+            ray.t_max = if group % 7 == 0 { 4.2 } else { f32::INFINITY };
+            rays.push(ray);
+        }
+    }
+    rays
+}
+
+#[test]
+fn rays_that_go_together_find_what_each_finds_alone() {
+    let mesh = Arc::new(bumpy_sphere(30));
+    let rays = coherent_rays();
+    for instanced in [false, true] {
+        for level in Level::all() {
+            let transforms = [skewed(1), DAffine3::IDENTITY, skewed(2)];
+            let world = world(&mesh, &transforms, instanced).at_level(level);
+            let together = closest(&world, &rays);
+            let alone: Vec<Hit> = rays.iter().flat_map(|ray| closest(&world, &[*ray])).collect();
+            assert_eq!(together, alone, "{level:?}");
+            assert!(together.iter().filter(|hit| hit.is_some()).count() > 10_000);
+            let mut occluded = Vec::new();
+            world.occluded(&rays, &Everything, &mut occluded);
+            assert!(occluded.iter().zip(&alone).all(|(occluded, hit)| *occluded == hit.is_some()));
+        }
+    }
+}
+
 #[test]
 fn the_range_of_a_ray_is_respected_exactly() {
     let world = world(&Arc::new(icosphere(2)), &[DAffine3::IDENTITY], false);
@@ -146,8 +188,13 @@ fn escaped(rays: usize) -> usize {
             let inside = if i == 2 { DVec3::splat(-0.9) } else { DVec3::splat(0.01) };
             let mut random = Random::new(i as u64);
             for _ in 0..(rays / 9).div_ceil(4096) {
-                let batch: Vec<Ray> =
+                let mut batch: Vec<Ray> =
                     (0..4096).map(|n| leaving(&world, transform, inside, n, &mut random)).collect();
+                // Half of them in an order that lets rays go together.
+                batch[..2048].sort_by_key(|ray| {
+                    let d = ray.direction;
+                    (d.is_negative_bitmask(), d.abs().max_position())
+                });
                 escaped += closest(&world, &batch).iter().filter(|hit| !hit.is_some()).count();
             }
         }

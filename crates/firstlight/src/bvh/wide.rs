@@ -11,13 +11,15 @@ pub(super) type Triangles<'a> = &'a dyn Fn(u32) -> ([Vec3; 3], u32);
 
 /// Builds the tree over `references`.
 pub(super) fn tree(mut references: Vec<Reference>, triangles: Triangles) -> Tree {
-    let mut tree = Tree { nodes: Vec::new(), blocks: Vec::new(), bounds: Bounds::EMPTY };
+    let mut tree =
+        Tree { nodes: Vec::new(), blocks: Vec::new(), bounds: Bounds::EMPTY, reach: 0.0 };
     if references.is_empty() {
         return tree;
     }
     let root = build(&mut references);
     drop(references);
     tree.bounds = root.bounds;
+    tree.reach = root.bounds.reach();
     match root.content {
         Content::Split(_) => emit_node(&mut tree, widen(root), triangles),
         Content::Leaf(_) => emit_node(&mut tree, vec![root], triangles),

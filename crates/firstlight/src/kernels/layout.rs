@@ -8,6 +8,8 @@ use glam::Vec3;
 pub(crate) const ONE_SIDED: u32 = 1 << 31;
 /// Flag of a triangle whose material leaves holes.
 pub(crate) const PARTLY_THERE: u32 = 1 << 30;
+/// Word of an unused lane.
+const EMPTY: u32 = u32::MAX;
 /// Rows of a block: three corners of three coordinates.
 pub(super) const ROWS: usize = 9;
 /// The part of a triangle's word that is its number.
@@ -86,7 +88,7 @@ impl Node {
 #[repr(C, align(64))]
 pub(crate) struct TriangleBlock {
     /// x, y, z of the first corners, then of the second and third.
-    pub corners: [[f32; LANES]; 9],
+    pub corners: [[f32; LANES]; ROWS],
     /// Number of each triangle in its tree, with flags.
     words: [u32; LANES],
 }
@@ -94,7 +96,7 @@ pub(crate) struct TriangleBlock {
 impl TriangleBlock {
     /// No triangles.
     pub(crate) fn empty() -> Self {
-        Self { corners: [[0.0; LANES]; 9], words: [0; LANES] }
+        Self { corners: [[0.0; LANES]; ROWS], words: [EMPTY; LANES] }
     }
 
     /// Fills lane `lane` with triangle `number`.
@@ -113,6 +115,12 @@ impl TriangleBlock {
         let corner =
             |c: usize| Vec3::from_array([0, 1, 2].map(|axis| self.corners[3 * c + axis][lane]));
         [corner(0), corner(1), corner(2)]
+    }
+
+    /// Whether a lane and all after it are unused.
+    #[inline(always)]
+    pub(super) fn is_empty(&self, lane: usize) -> bool {
+        self.words[lane] == EMPTY
     }
 
     /// Its number in the tree.
@@ -137,6 +145,8 @@ pub(crate) struct Tree {
     pub blocks: Vec<TriangleBlock>,
     /// The box around everything.
     pub bounds: Bounds,
+    /// The largest absolute coordinate of that box.
+    pub reach: f32,
 }
 
 impl Tree {

@@ -11,6 +11,7 @@
 //! the triangle test's shear, which costs nothing per box (after Ize, *Robust BVH Ray Traversal*, JCGT 2(2), 2013).
 
 use super::layout::{Child, Node, ROWS, Target, Tree, TriangleBlock};
+use super::packet::{Packet, PacketStack, are_coherent};
 use crate::geometry::triangle::plane_distance;
 use crate::geometry::{Hit, Ray};
 use crate::simd::{Kernel, LANES, Lanes, Level, Mask, Simd};
@@ -18,6 +19,12 @@ use glam::Vec3;
 
 /// [`Hit::surface`] of a triangle of the world's own tree, before its surface has been looked up.
 pub(crate) const FLATTENED: u32 = u32::MAX - 1;
+
+/// Pad of boxes in units of the largest coordinate: eight half-ulps cover the rounding of the reciprocal, of both
+/// products and sums, and of the shear.
+pub(super) const PAD: f32 = 4.0 * f32::EPSILON;
+/// Directions are kept this far from zero; the pad covers the difference.
+pub(super) const SMALLEST: f32 = 1e-18;
 
 /// Decides about hits of triangles that carry flags.
 pub(crate) trait HitFilter: Sync {
@@ -42,7 +49,7 @@ pub(crate) trait Others: Sync {
 
 /// What stays the same while one ray looks for its hit.
 pub(crate) struct Search<'a, S> {
-    simd: S,
+    pub(super) simd: S,
     /// The ray in world space.
     pub ray: &'a Ray,
     /// Asked about triangles with flags.
@@ -121,10 +128,21 @@ impl<O: Others, const ANY: bool> Kernel for Batch<'_, O, ANY> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let mut stack = Stack::new();
-        for (ray, hit) in self.rays.iter().zip(self.hits) {
-            let search = Search { simd, ray, filter: self.filter };
-            search.walk::<O, ANY>(self.tree, ray, FLATTENED, self.others, hit, &mut stack);
+        if self.tree.nodes.is_empty() {
+            return;
+        }
+        let (mut stack, mut packet_stack) = (Stack::new(), PacketStack::new());
+        for (rays, hits) in self.rays.chunks(LANES).zip(self.hits.chunks_mut(LANES)) {
+            if are_coherent(rays) {
+                let packet = Packet::new(simd, self.tree, rays, self.filter);
+                let stacks = (&mut packet_stack, &mut stack);
+                packet.walk::<O, ANY>(self.tree, self.others, hits, stacks);
+                continue;
+            }
+            for (ray, hit) in rays.iter().zip(hits) {
+                let search = Search { simd, ray, filter: self.filter };
+                search.walk::<O, ANY>(self.tree, ray, FLATTENED, self.others, hit, &mut stack);
+            }
         }
     }
 }
@@ -193,7 +211,7 @@ impl<S: Simd> Search<'_, S> {
 
     /// The scalar end of the triangle test: distance, range, order, filter.
     #[inline(always)]
-    fn accept(
+    pub(super) fn accept(
         &self,
         block: &TriangleBlock,
         lane: usize,
@@ -251,21 +269,15 @@ struct Slabs<S: Simd> {
 }
 
 impl<S: Simd> Slabs<S> {
-    /// Pad in units of the largest coordinate: eight half-ulps cover the rounding of the reciprocal, of both
-    /// products and sums, and of the shear.
-    const PAD: f32 = 4.0 * f32::EPSILON;
-    /// Directions are kept this far from zero; the pad covers the difference.
-    const SMALLEST: f32 = 1e-18;
-
     #[inline(always)]
     fn new(simd: S, tree: &Tree, ray: &Ray) -> Self {
-        let pad = Self::PAD * (ray.origin.abs().max_element() + tree.bounds.reach());
+        let pad = PAD * (ray.origin.abs().max_element() + tree.reach);
         let zero = simd.splat(0.0);
         let (mut scale, mut near, mut far) = ([zero; 3], [zero; 3], [zero; 3]);
         let mut near_plane = [0; 3];
         for axis in 0..3 {
             let (o, d) = (ray.origin[axis], ray.direction[axis]);
-            let reciprocal = 1.0 / d.abs().max(Self::SMALLEST).copysign(d);
+            let reciprocal = 1.0 / d.abs().max(SMALLEST).copysign(d);
             let pad = pad.copysign(reciprocal);
             scale[axis] = simd.splat(reciprocal);
             near[axis] = simd.splat(-(o + pad) * reciprocal);
@@ -348,13 +360,24 @@ impl<S: Simd> Shear<S> {
         let a = self.corner(simd, block, 0);
         let b = self.corner(simd, block, 3);
         let c = self.corner(simd, block, 6);
-        let u = c.0 * b.1 - c.1 * b.0;
-        let v = a.0 * c.1 - a.1 * c.0;
-        let w = b.0 * a.1 - b.1 * a.0;
-        let zero = simd.splat(0.0);
-        let inside = zero.le(u) & zero.le(v) & zero.le(w);
-        let behind = u.le(zero) & v.le(zero) & w.le(zero);
-        let area = u + v + w;
-        (((inside | behind) & area.ne(zero)).bits(), [u, v, w])
+        cross(simd, a, b, c)
     }
+}
+
+/// Which lanes' lines cross their triangle, whose corners are given across the line, and the weights of the corners
+/// (not normalised). Products and differences are rounded one by one, so that neighbours agree about their edge.
+#[inline(always)]
+pub(super) fn cross<F: Lanes>(
+    simd: impl Simd<F = F>,
+    a: (F, F),
+    b: (F, F),
+    c: (F, F),
+) -> (u32, [F; 3]) {
+    let u = c.0 * b.1 - c.1 * b.0;
+    let v = a.0 * c.1 - a.1 * c.0;
+    let w = b.0 * a.1 - b.1 * a.0;
+    let zero = simd.splat(0.0);
+    let inside = zero.le(u) & zero.le(v) & zero.le(w);
+    let behind = u.le(zero) & v.le(zero) & w.le(zero);
+    (((inside | behind) & (u + v + w).ne(zero)).bits(), [u, v, w])
 }
