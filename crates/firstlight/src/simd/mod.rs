@@ -87,7 +87,7 @@ mod tests {
                 let (x, y) = (a[i], b[i]);
                 let expected = [x + y, x - y, x * y, x.min(y), x.max(y), a[0]];
                 assert_eq!(numbers.map(|n| n[i]), expected, "{level:?} lane {i}");
-                let bits = [x <= y, x != y, x <= y && x != y, x <= y || x != y];
+                let bits = [x <= y, x != y, x < y, x <= y || x > y];
                 assert_eq!(masks.map(|m| m >> i & 1 == 1), bits, "{level:?} lane {i}");
             }
         }
