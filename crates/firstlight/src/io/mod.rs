@@ -1,6 +1,6 @@
 //! Files ↔ [`SceneDescription`](crate::scene::description::SceneDescription) and [`Image`](crate::Image).
 //!
-//! [`load`] reads any scene or model file. The shared pieces: which files may be opened ([`FileAccess`]) and how
+//! [`load()`] reads any scene or model file. The shared pieces: which files may be opened ([`FileAccess`]) and how
 //! complaints that do not stop the loading are collected ([`Warnings`]).
 
 mod access;
