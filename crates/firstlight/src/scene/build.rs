@@ -1,10 +1,10 @@
 //! From the description to the scene.
 
 use super::Scene;
+use super::Studio;
 use super::description::{
     Alpha, CameraLightAmount, Light, LightDescription, Material, SceneDescription, Shape, Surface,
 };
-use super::framing::frame;
 use crate::bvh::{MeshPart, Part, World};
 use crate::camera::Camera;
 use crate::color::Rgb;
@@ -12,7 +12,6 @@ use crate::geometry::Analytic;
 use crate::kernels::{ONE_SIDED, PARTLY_THERE};
 use crate::shading::light::{Cone, Light as BuiltLight, Source};
 use crate::simd::Level;
-use glam::DVec3;
 use std::sync::Arc;
 
 /// A mesh whose copies would have more triangles than this is instanced; otherwise its copies stand in the world's
@@ -30,8 +29,8 @@ impl Scene {
     /// Builds the scene to be traced with the instructions of `level`. The picture is the same for every level.
     pub fn build_for(description: &SceneDescription, level: Level) -> Self {
         let film = &description.film;
-        let framing = || frame(description, DVec3::new(0.5, -1.0, 0.4), DVec3::Z);
-        let view = description.cameras.first().cloned().unwrap_or_else(framing);
+        let studio = Studio { up: description.up.0, ..Studio::default() };
+        let view = description.cameras.first().cloned().unwrap_or_else(|| studio.view(description));
         let camera = Camera::new(&view, film.width, film.height);
         let ambient = description.lights.iter().filter_map(ambient).sum();
         Self {

@@ -9,6 +9,9 @@ use std::f64::consts::PI;
 /// How far below the model the ground lies, relative to the model's size: enough to keep flat models apart from it.
 const GAP: f64 = 1e-3;
 
+/// Reflectance of the usual ground.
+const GROUND: Rgb = Rgb::splat(0.7);
+
 /// What to put around a model. Every part can be changed or left out; what the model brings itself is kept.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Studio {
@@ -36,7 +39,7 @@ impl Default for Studio {
             elevation: 20_f64.to_radians(),
             key: Some(2.8),
             headlight: Some(0.8),
-            ground: Some(Rgb::splat(0.7)),
+            ground: Some(GROUND),
             background: None,
         }
     }
@@ -46,16 +49,20 @@ impl Studio {
     /// Puts the studio around `scene`: a camera if it has none, key light and headlight if it has no lights.
     pub fn dress(&self, scene: &mut SceneDescription) {
         if scene.cameras.is_empty() {
-            scene.cameras.push(frame(scene, self.toward_camera(), self.up));
+            scene.cameras.push(self.view(scene));
         }
         if scene.lights.is_empty() {
             scene.lights.extend(self.lights());
         }
-        let far_ground = self.ground.map(|reflectance| self.far_radiance(scene, reflectance));
-        scene.background = self.background.or(far_ground).unwrap_or(scene.background);
+        scene.background = self.background.unwrap_or_else(|| self.far_radiance(scene));
         if let Some(reflectance) = self.ground {
             self.lay_ground(scene, reflectance);
         }
+    }
+
+    /// The camera that frames everything from the studio's side.
+    pub fn view(&self, scene: &SceneDescription) -> CameraDescription {
+        frame(scene, self.toward_camera(), self.up)
     }
 
     /// Unit vector from the model to the camera. The front is −y, or +z if y is up.
@@ -85,8 +92,9 @@ impl Studio {
         key.into_iter().chain(self.headlight.map(|e| described("headlight", head(e)))).collect()
     }
 
-    /// Radiance of the ground far away, where points and the light at the camera no longer reach.
-    fn far_radiance(&self, scene: &SceneDescription, reflectance: Rgb) -> Rgb {
+    /// Radiance of the ground far away, where points and the light at the camera no longer reach; of the usual ground
+    /// if there is none.
+    fn far_radiance(&self, scene: &SceneDescription) -> Rgb {
         let radiance = scene.lights.iter().map(|described| match described.light {
             Light::Directional { direction, irradiance } => {
                 irradiance * (direction.dot(-self.up).max(0.0) / PI) as f32
@@ -94,7 +102,7 @@ impl Studio {
             Light::Ambient { radiance } => radiance,
             _ => Rgb::ZERO,
         });
-        reflectance * radiance.sum::<Rgb>()
+        self.ground.unwrap_or(GROUND) * radiance.sum::<Rgb>()
     }
 
     fn lay_ground(&self, scene: &mut SceneDescription, reflectance: Rgb) {

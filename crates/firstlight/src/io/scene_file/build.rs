@@ -10,7 +10,7 @@ use crate::diagnostic::Result;
 use crate::io::model::{self, Format, UpAxis, upright};
 use crate::io::{FileAccess, Warnings};
 use crate::scene::description::{
-    LuminousEfficacy, Material, Part, SceneDescription, Shape, Surface,
+    LuminousEfficacy, Material, Part, SceneDescription, Shape, Surface, Up,
 };
 use crate::suggest::{did_you_mean, quoted};
 use glam::{DAffine3, DVec3};
@@ -47,6 +47,7 @@ pub(super) fn build(
 ) -> Result<SceneDescription> {
     let efficacy = keys.luminous_efficacy.0;
     let mut scene = SceneDescription {
+        up: Up(keys.up.direction()),
         film: keys.film.describe(),
         shadows: keys.shadows,
         background: keys.background.0,

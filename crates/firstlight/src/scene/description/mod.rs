@@ -21,11 +21,14 @@ pub use shape::{Block, Cone, Cylinder, Disk, Plane, Quad, Shape, Sphere, Surface
 pub use view::{CameraDescription, Exposure, FilmDescription, Filter, Projection, Shadows};
 
 use crate::color::Rgb;
+use glam::DVec3;
 use std::sync::Arc;
 
 /// A whole scene, loaded and in SI units. Models are scenes too: see [`SceneDescription::place`].
 #[derive(Debug, Clone, Default)]
 pub struct SceneDescription {
+    /// What is up, for a camera that has to be chosen.
+    pub up: Up,
     /// The cameras, the one to use first. Empty: a camera is chosen that frames everything.
     pub cameras: Vec<CameraDescription>,
     /// Resolution, samples, filter, exposure.
@@ -46,6 +49,17 @@ pub struct SceneDescription {
     pub surfaces: Vec<Surface>,
     /// Everything that gives light.
     pub lights: Vec<LightDescription>,
+}
+
+/// The unit vector that points up.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Up(pub DVec3);
+
+impl Default for Up {
+    /// z.
+    fn default() -> Self {
+        Self(DVec3::Z)
+    }
 }
 
 /// Lumens per watt, the one number that ties photometric to radiometric units.
