@@ -6,10 +6,9 @@ use crate::output::print_all;
 use crate::rows::{self, Kind, Query};
 use crate::{Exit, Outcome, report, verdict};
 use clap::{Arg, ArgAction, ArgMatches, Command, FromArgMatches};
-use firstlight::color::Rgb;
 use firstlight::diagnostic::Diagnostic;
 use firstlight::io::Warnings;
-use firstlight::{Ray, Scene, units};
+use firstlight::{Measurement, Ray, Scene, units};
 use glam::DVec3;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -133,25 +132,25 @@ impl FromArgMatches for Requests {
     }
 }
 
-/// One answer. It comes without sampling: lights without size and constant ambient light are summed exactly.
+/// One answer.
 struct Reading<'a> {
     query: &'a Query,
-    value: Rgb,
+    measured: Measurement,
     photometric: f64,
 }
 
 impl<'a> Reading<'a> {
     fn take(scene: &Scene, query: &'a Query) -> Self {
         let Query { kind, point, direction } = *query;
-        let value = match kind {
+        let measured = match kind {
             Kind::Irradiance => scene.irradiance(point, direction),
             Kind::Radiance => {
                 let ray = Ray::new(point.as_vec3(), direction.as_vec3());
-                scene.trace(&ray, 0.0, f32::INFINITY)
+                scene.radiance(&ray)
             }
         };
-        let photometric = units::photometric(value, scene.luminous_efficacy().0);
-        Self { query, value, photometric }
+        let photometric = units::photometric(measured.value, scene.luminous_efficacy().0);
+        Self { query, measured, photometric }
     }
 
     fn units(&self) -> [&'static str; 2] {
@@ -165,13 +164,22 @@ impl<'a> Reading<'a> {
         let [unit, photometric_unit] = self.units();
         json!({
             "kind": self.query.kind.name(),
-            "value": self.value.to_array(),
+            "value": self.measured.value.to_array(),
             "unit": unit,
             "photometric": self.photometric,
             "photometric_unit": photometric_unit,
-            "standard_error": [0.0, 0.0, 0.0],
-            "samples": 1,
+            "standard_error": self.measured.standard_error.to_array(),
+            "samples": self.measured.samples,
         })
+    }
+
+    /// The standard error in words; lights without size and ambient light are summed exactly.
+    fn error(&self) -> String {
+        let Measurement { standard_error, samples, .. } = self.measured;
+        if samples == 1 {
+            return "0 (exact)".into();
+        }
+        format!("{} ({samples} samples)", digits(standard_error.max_element().into()))
     }
 
     /// Two lines of an aligned table under a heading.
@@ -179,12 +187,13 @@ impl<'a> Reading<'a> {
         let Query { kind, point, direction } = self.query;
         let verb = if *kind == Kind::Irradiance { "facing" } else { "along" };
         let [unit, photometric_unit] = self.units();
-        let [r, g, b] = self.value.to_array().map(|channel| digits(channel.into()));
+        let [r, g, b] = self.measured.value.to_array().map(|channel| digits(channel.into()));
         let seen = digits(self.photometric);
         let mut text =
             format!("{} at {} {verb} {}\n", kind.name(), triple(*point), triple(*direction));
         // Writing to a string cannot fail.
-        let _ = writeln!(text, "  r {r:<16} g {g:<16} b {b:<16} {unit}   ± 0 (exact)");
+        let error = self.error();
+        let _ = writeln!(text, "  r {r:<16} g {g:<16} b {b:<16} {unit}   ± {error}");
         let _ = writeln!(text, "  = {seen} {photometric_unit}");
         text
     }

@@ -17,7 +17,7 @@ fn l01_point_light_on_the_axis() {
     let mut scene = scene_of(Vec3::splat(0.5));
     add(&mut scene, floor());
     light(&mut scene, point_light(v(0.0, 0.0, 2.0), Vec3::splat(100.0)));
-    close(Scene::build(&scene).irradiance(DVec3::ZERO, DVec3::Z).x, 1.98943679, EXACT);
+    close(Scene::build(&scene).irradiance(DVec3::ZERO, DVec3::Z).value.x, 1.98943679, EXACT);
     close(look(&scene, v(0.5, 0.7, 1.0), DVec3::ZERO).x, 0.316628699, EXACT);
 }
 
@@ -37,7 +37,7 @@ fn l02_point_light_off_the_axis() {
         (4.0, 0.177940636),
     ];
     for (x, expected) in cases {
-        close(built.irradiance(v(x, 0.0, 0.0), DVec3::Z).x, expected, EXACT);
+        close(built.irradiance(v(x, 0.0, 0.0), DVec3::Z).value.x, expected, EXACT);
         let seen = look(&scene, v(x + 0.3, 0.2, 0.9), v(x, 0.0, 0.0)).x;
         close(seen, 0.5 / PI * expected, EXACT);
     }
@@ -58,7 +58,7 @@ fn l04_lamberts_cosine_law() {
         (89.0, 0.0347204594),
     ] {
         let (sin, cos) = f64::to_radians(degrees).sin_cos();
-        close(built.irradiance(DVec3::ZERO, v(sin, 0.0, cos)).x, expected, EXACT);
+        close(built.irradiance(DVec3::ZERO, v(sin, 0.0, cos)).value.x, expected, EXACT);
         let mut tilted = scene.clone();
         add(&mut tilted, Shape::Plane(Plane { point: DVec3::ZERO, normal: v(sin, 0.0, cos) }));
         let seen = look(&tilted, v(0.6, 0.2, 1.4), DVec3::ZERO).x;
@@ -97,7 +97,41 @@ fn l07_what_is_in_shadow_gets_exactly_nothing() {
     add(&mut scene, cube(v(0.0, 0.0, 1.0), 0.1));
     light(&mut scene, point_light(v(0.0, 0.0, 2.0), Vec3::splat(100.0)));
     assert_eq!(look(&scene, v(0.5, -1.0, 1.0), DVec3::ZERO), Vec3::ZERO);
-    assert_eq!(Scene::build(&scene).irradiance(DVec3::ZERO, DVec3::Z), Vec3::ZERO);
+    assert_eq!(Scene::build(&scene).irradiance(DVec3::ZERO, DVec3::Z).value, Vec3::ZERO);
+}
+
+/// The meter honours the scene's shadow setting, as the render does.
+#[test]
+fn without_shadows_the_meter_sees_every_light() {
+    let mut scene = scene_of(Vec3::splat(0.5));
+    scene.shadows = Shadows::Off;
+    add(&mut scene, cube(v(0.0, 0.0, 1.0), 0.1));
+    light(&mut scene, point_light(v(0.0, 0.0, 2.0), Vec3::splat(100.0)));
+    close(Scene::build(&scene).irradiance(DVec3::ZERO, DVec3::Z).value.x, 1.98943679, EXACT);
+}
+
+/// A sheet of alpha 0.4 stops 40 % of the light and of the view; chance decides, and the meter says how well it knows.
+#[test]
+fn partly_transparent_surfaces_are_measured_with_their_error() {
+    let mut scene = scene_of(Vec3::splat(0.2));
+    scene.materials[0].alpha = Alpha::Blend;
+    scene.materials[0].reflectance.factor[3] = 0.4;
+    scene.background = Vec3::ONE;
+    let ambient = 0.5;
+    light(&mut scene, Light::Ambient { radiance: Vec3::splat(ambient) });
+    light(&mut scene, Light::Directional { direction: -DVec3::Z, irradiance: Vec3::ONE });
+    add(&mut scene, floor());
+    let scene = Scene::build(&scene);
+    let through = firstlight::Ray::new(Vec3::new(0.0, 0.0, 1.0), -Vec3::Z);
+    let lit = 0.2 * (f64::from(ambient) + 1.0 / PI);
+    for (measured, expected) in [
+        (scene.radiance(&through), 0.4 * lit + 0.6),
+        (scene.irradiance(v(0.0, 0.0, -1.0), DVec3::Z), PI * f64::from(ambient) + 0.6),
+    ] {
+        let (value, error) = (f64::from(measured.value.x), f64::from(measured.standard_error.x));
+        assert!(error > 0.0 && error < 0.02 && measured.samples > 1, "{measured:?}");
+        assert!((value - expected).abs() < 4.0 * error, "{measured:?} is not {expected}");
+    }
 }
 
 #[test]
@@ -106,7 +140,7 @@ fn l08_what_is_behind_the_light_casts_no_shadow() {
     add(&mut scene, floor());
     add(&mut scene, cube(v(0.0, 0.0, 2.5), 0.1));
     light(&mut scene, point_light(v(0.0, 0.0, 2.0), Vec3::splat(100.0)));
-    close(Scene::build(&scene).irradiance(DVec3::ZERO, DVec3::Z).x, 1.98943679, EXACT);
+    close(Scene::build(&scene).irradiance(DVec3::ZERO, DVec3::Z).value.x, 1.98943679, EXACT);
     close(look(&scene, v(0.5, -1.0, 1.0), DVec3::ZERO).x, 0.316628699, EXACT);
 }
 
@@ -123,7 +157,7 @@ fn l09_directional_light() {
         let (sin, cos) = f64::to_radians(degrees).sin_cos();
         let direction = v(sin, 0.0, -cos);
         light(&mut scene, Light::Directional { direction, irradiance: Vec3::splat(10.0) });
-        close(Scene::build(&scene).irradiance(DVec3::ZERO, DVec3::Z).x, irradiance, EXACT);
+        close(Scene::build(&scene).irradiance(DVec3::ZERO, DVec3::Z).value.x, irradiance, EXACT);
         close(look(&scene, v(0.2, 0.3, 1.0), DVec3::ZERO).x, radiance, EXACT);
     }
 }
@@ -141,7 +175,7 @@ fn spot(falloff: SpotFalloff, cases: &[(f64, f64)]) {
     for &(degrees, expected) in cases {
         let (sin, cos) = degrees.to_radians().sin_cos();
         let place = v(cos, sin, 0.0);
-        close(scene.irradiance(place, -place).x, expected, EXACT);
+        close(scene.irradiance(place, -place).value.x, expected, EXACT);
     }
 }
 
@@ -197,7 +231,7 @@ fn l15_flux_through_a_sphere_around_the_light() {
             let phi = (f64::from(column) + 0.5) / f64::from(columns) * 2.0 * PI;
             let r = (1.0 - z * z).sqrt();
             let outward = v(r * phi.cos(), r * phi.sin(), z);
-            sum += f64::from(scene.irradiance(outward, -outward).x);
+            sum += f64::from(scene.irradiance(outward, -outward).value.x);
         }
     }
     close(sum / f64::from(rows * columns) * 4.0 * PI, 100.0, 2e-3);

@@ -9,9 +9,10 @@ use crate::scene::Scene;
 use crate::scene::description::Shadows;
 use crate::scene::{SeenByCamera, StopsLight};
 use crate::shading::bsdf::Bsdf;
-use crate::shading::interaction::SurfaceInteraction;
+use crate::shading::interaction::{SurfaceInteraction, clearance};
 use crate::shading::light::Light;
-use glam::{Vec3, Vec4Swizzles};
+use glam::{DVec3, Vec3, Vec4Swizzles};
+use std::f32::consts::PI;
 use std::ops::AddAssign;
 
 /// How many rays were traced.
@@ -34,6 +35,8 @@ impl AddAssign for RayCounts {
 pub(crate) struct Direct<'a> {
     scene: &'a Scene,
     transparent: bool,
+    /// Tells repetitions of one ray apart where chance decides, at partly transparent surfaces.
+    repetition: u32,
 }
 
 /// Buffers that one worker reuses from batch to batch.
@@ -54,7 +57,7 @@ pub(crate) struct Scratch {
 struct Point {
     /// Index of the camera ray.
     ray: usize,
-    position: Vec3,
+    position: DVec3,
     /// Where shadow rays start.
     start: Vec3,
     shading_normal: Vec3,
@@ -78,13 +81,37 @@ impl Scratch {
 impl<'a> Direct<'a> {
     /// Gathers light in `scene`.
     pub(crate) fn new(scene: &'a Scene, transparent: bool) -> Self {
-        Self { scene, transparent }
+        Self { scene, transparent, repetition: 0 }
+    }
+
+    /// The same with other decisions of chance for the same rays.
+    pub(crate) fn repeated(self, repetition: u32) -> Self {
+        Self { repetition, ..self }
     }
 
     /// Radiance along each of `rays`, into `scratch.samples`.
     pub(crate) fn gather(&self, rays: &[Ray], scratch: &mut Scratch) {
         self.closest_hits(rays, scratch);
         self.surface_points(rays, scratch);
+        self.add_lights(scratch);
+    }
+
+    /// Irradiance at `position` on a surface that faces the unit vector `normal`, W·m⁻²: what a surface that reflects
+    /// π times the light would send out.
+    pub(crate) fn irradiance(&self, position: DVec3, normal: Vec3, scratch: &mut Scratch) -> Rgb {
+        let rounded = position.as_vec3();
+        let start = rounded + clearance(normal, rounded.abs(), 0.0) * normal;
+        let bsdf = Bsdf::Lambert { reflectance: Rgb::splat(PI) };
+        scratch.points.clear();
+        scratch.points.push(Point { ray: 0, position, start, shading_normal: normal, bsdf });
+        scratch.samples.clear();
+        scratch.samples.push(Sample { radiance: PI * self.scene.ambient, alpha: 1.0 });
+        self.add_lights(scratch);
+        scratch.samples[0].radiance
+    }
+
+    /// The lecture's loop over lights, for all points.
+    fn add_lights(&self, scratch: &mut Scratch) {
         for light in &self.scene.lights {
             self.sample_light(light, scratch);
             self.trace_shadows(scratch);
@@ -96,7 +123,11 @@ impl<'a> Direct<'a> {
         scratch.counts.camera += rays.len() as u64;
         scratch.hits.clear();
         scratch.hits.resize(rays.len(), Hit::none(0.0));
-        self.scene.world.closest_hits(rays, &SeenByCamera(self.scene), &mut scratch.hits);
+        self.scene.world.closest_hits(
+            rays,
+            &SeenByCamera(self.scene, self.repetition),
+            &mut scratch.hits,
+        );
     }
 
     /// Starts each ray's sum: the background, or what the surface emits and reflects of the ambient light.
@@ -123,7 +154,7 @@ impl<'a> Direct<'a> {
             samples.push(Sample { radiance, alpha: 1.0 });
             points.push(Point {
                 ray,
-                position: surface.position,
+                position: surface.position.as_dvec3(),
                 start: self.scene.shadow_start(&surface, &rays[ray]),
                 shading_normal: surface.shading_normal,
                 bsdf: Bsdf::Lambert { reflectance },
@@ -139,14 +170,14 @@ impl<'a> Direct<'a> {
         shadow_rays.clear();
         awaited.clear();
         for point in points.iter() {
-            let Some(sample) = light.sample(point.position.as_dvec3()) else { continue };
+            let Some(sample) = light.sample(point.position) else { continue };
             let cos = point.shading_normal.dot(sample.incoming);
             let radiance = point.bsdf.value() * sample.irradiance * cos;
             if cos <= 0.0 || radiance == Rgb::ZERO {
                 continue;
             }
             if shadows {
-                shadow_rays.push(sample.ray_from(point.position, point.start, t_min));
+                shadow_rays.push(sample.ray_from(point.position.as_vec3(), point.start, t_min));
                 awaited.push(Awaited { ray: point.ray, radiance });
             } else {
                 samples[point.ray].radiance += radiance;
@@ -157,7 +188,7 @@ impl<'a> Direct<'a> {
     fn trace_shadows(&self, scratch: &mut Scratch) {
         let Scratch { shadow_rays, occluded, counts, .. } = scratch;
         counts.shadow += shadow_rays.len() as u64;
-        self.scene.world.occluded(shadow_rays, &StopsLight(self.scene), occluded);
+        self.scene.world.occluded(shadow_rays, &StopsLight(self.scene, self.repetition), occluded);
     }
 }
 

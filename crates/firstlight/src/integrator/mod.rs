@@ -6,3 +6,4 @@ mod trace;
 
 pub use direct::RayCounts;
 pub(crate) use direct::{Direct, Scratch};
+pub use meter::Measurement;

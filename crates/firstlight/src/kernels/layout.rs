@@ -35,10 +35,14 @@ pub(crate) enum Target {
     Node(usize),
     Block(usize),
     Other(u32),
+    Nothing,
 }
 
 impl Child {
     const INDEX_BITS: u32 = 30;
+
+    /// Reference to nothing.
+    pub(crate) const NOTHING: Self = Self(3 << Self::INDEX_BITS);
 
     /// Reference to `nodes[index]`.
     pub(crate) fn node(index: usize) -> Self {
@@ -61,7 +65,8 @@ impl Child {
         match self.0 >> Self::INDEX_BITS {
             0 => Target::Node(index as usize),
             1 => Target::Block(index as usize),
-            _ => Target::Other(index),
+            2 => Target::Other(index),
+            _ => Target::Nothing,
         }
     }
 }
@@ -70,7 +75,7 @@ impl Node {
     /// Eight boxes that nothing hits.
     pub(crate) fn empty() -> Self {
         let (lo, hi) = ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
-        Self { planes: [lo, lo, lo, hi, hi, hi], children: [Child::node(0); LANES] }
+        Self { planes: [lo, lo, lo, hi, hi, hi], children: [Child::NOTHING; LANES] }
     }
 
     /// Fills box `slot`.

@@ -32,7 +32,7 @@ pub(super) struct PacketStack {
 
 impl PacketStack {
     pub(super) fn new() -> Self {
-        Self { entries: [(Child::node(0), 0.0, 0); 7 * Stack::DEPTH], len: 0 }
+        Self { entries: [(Child::NOTHING, 0.0, 0); 7 * Stack::DEPTH], len: 0 }
     }
 
     /// Adds a child; nearer ones stay on top of the level `base`.
@@ -181,6 +181,7 @@ impl<'a, S: Simd> Packet<'a, S> {
                 }
                 Target::Block(index) => self.meet(&tree.blocks[index], rays, hits),
                 Target::Other(surface) => self.visit::<O, ANY>(others, surface, rays, hits, single),
+                Target::Nothing => false,
             };
             if changed && ANY {
                 open = without_hit(hits);

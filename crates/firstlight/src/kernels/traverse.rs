@@ -69,7 +69,7 @@ impl Stack {
     pub(crate) const DEPTH: usize = 64;
 
     fn new() -> Self {
-        Self { entries: [(Child::node(0), 0.0); Self::SIZE], len: 0 }
+        Self { entries: [(Child::NOTHING, 0.0); Self::SIZE], len: 0 }
     }
 
     #[inline(always)]
@@ -174,6 +174,7 @@ impl<S: Simd> Search<'_, S> {
                 Target::Other(surface) => {
                     found |= others.visit::<S, ANY>(self, surface, hit, stack);
                 }
+                Target::Nothing => {}
             }
             if ANY && found {
                 stack.len = base;

@@ -6,11 +6,12 @@ use crate::geometry::{Hit, Ray};
 use crate::kernels::{HitFilter, ONE_SIDED, PARTLY_THERE};
 use crate::math::hash;
 
-/// Camera rays: they pass through holes and through the backs of one-sided surfaces.
-pub(crate) struct SeenByCamera<'a>(pub &'a Scene);
+/// Camera rays: they pass through holes and through the backs of one-sided surfaces. The number tells repetitions of
+/// a ray apart where chance decides.
+pub(crate) struct SeenByCamera<'a>(pub &'a Scene, pub u32);
 
-/// Shadow rays: they pass through holes only.
-pub(crate) struct StopsLight<'a>(pub &'a Scene);
+/// Shadow rays: they pass through holes only. The number is that of [`SeenByCamera`].
+pub(crate) struct StopsLight<'a>(pub &'a Scene, pub u32);
 
 impl HitFilter for SeenByCamera<'_> {
     fn flags(&self) -> u32 {
@@ -20,7 +21,7 @@ impl HitFilter for SeenByCamera<'_> {
     fn accepts(&self, ray: &Ray, hit: &Hit, from_behind: bool) -> bool {
         let scene = self.0;
         (scene.material(hit).double_sided || !scene.is_back(hit, from_behind))
-            && scene.is_there(ray, hit)
+            && scene.is_there(ray, hit, self.1)
     }
 }
 
@@ -30,25 +31,25 @@ impl HitFilter for StopsLight<'_> {
     }
 
     fn accepts(&self, ray: &Ray, hit: &Hit, _: bool) -> bool {
-        self.0.is_there(ray, hit)
+        self.0.is_there(ray, hit, self.1)
     }
 }
 
 impl Scene {
     /// Whether the surface is there at a hit, by the alpha of its material.
-    fn is_there(&self, ray: &Ray, hit: &Hit) -> bool {
+    fn is_there(&self, ray: &Ray, hit: &Hit, repetition: u32) -> bool {
         let material = self.material(hit);
         let alpha = || self.evaluate(&material.reflectance, &self.interaction(ray, hit)).w;
         match material.alpha {
             Alpha::Opaque => true,
             Alpha::Mask { cutoff } => alpha() >= cutoff,
-            Alpha::Blend => alpha() > threshold(ray, hit),
+            Alpha::Blend => alpha() > threshold(ray, hit, repetition),
         }
     }
 }
 
-/// A number in 0..1 that depends on nothing but the ray and what it hit.
-fn threshold(ray: &Ray, hit: &Hit) -> f32 {
+/// A number in 0..1 that depends on nothing but the ray, its repetition and what it hit.
+fn threshold(ray: &Ray, hit: &Hit, repetition: u32) -> f32 {
     let bits = |x: f32| u64::from(x.to_bits());
     let (o, d) = (ray.origin, ray.direction);
     let words = [
@@ -57,5 +58,6 @@ fn threshold(ray: &Ray, hit: &Hit) -> f32 {
         bits(d.y) << 32 | bits(d.z),
         u64::from(hit.surface) << 32 | u64::from(hit.primitive),
     ];
-    (words.into_iter().fold(0, |state, word| hash(state ^ word)) >> 40) as f32 / (1 << 24) as f32
+    (words.into_iter().fold(u64::from(repetition), |state, word| hash(state ^ word)) >> 40) as f32
+        / (1 << 24) as f32
 }

@@ -57,7 +57,7 @@ fn hit_somewhere(scene: &Scene, random: &mut Random) -> Option<(Ray, Hit)> {
     let ray = camera
         .ray(64.0 * glam::DVec2::new(random.unit(), random.unit()).as_vec2(), glam::Vec2::ZERO);
     let mut hit = [Hit::none(0.0)];
-    scene.world.closest_hits(&[ray], &StopsLight(scene), &mut hit);
+    scene.world.closest_hits(&[ray], &StopsLight(scene, 0), &mut hit);
     hit[0].is_some().then_some((ray, hit[0]))
 }
 
@@ -96,7 +96,7 @@ fn reintersections(shapes: usize, rays: usize) -> (usize, usize) {
             .collect();
         let mut occluded = Vec::new();
         // Every shape is convex and seen from outside, so that whatever is met is the surface that was left.
-        scene.world.occluded(&leaving, &StopsLight(&scene), &mut occluded);
+        scene.world.occluded(&leaving, &StopsLight(&scene, 0), &mut occluded);
         left += rays;
         met += occluded.iter().filter(|o| **o).count();
     }

@@ -86,6 +86,7 @@ pub(super) fn build(
     for (name, instance) in in_order(keys.instances) {
         builder.add_instance(&name, instance)?;
     }
+    warnings.extend(builder.scene.leave_out_far_triangles(document.name));
     Ok(builder.scene)
 }
 
@@ -114,10 +115,13 @@ impl Builder<'_> {
                 Shape::Mesh(self.scene.meshes.len() - 1)
             }
         };
-        let material = match self.material(keys.material.as_ref())? {
+        let mut material = match self.material(keys.material.as_ref())? {
             Some(material) => material,
             None => self.default_material(),
         };
+        if matches!(shape, Shape::Mesh(mesh) if !self.scene.meshes[mesh].colors.is_empty()) {
+            material = self.with_vertex_colors(material);
+        }
         let transform = transform::compose(keys.transform.as_ref(), self.document)?;
         let start = self.scene.surfaces.len();
         self.scene.surfaces.push(Surface { name: name.clone(), shape, material, transform });
@@ -211,6 +215,14 @@ impl Builder<'_> {
         Err(self
             .document
             .error(span, format!("needs the name of a material, not {}{hint}", quoted(name))))
+    }
+
+    /// A copy of a material that the mesh's vertex colours multiply.
+    fn with_vertex_colors(&mut self, material: usize) -> usize {
+        let mut copy = self.scene.materials[material].clone();
+        copy.reflectance.vertex_colors = true;
+        self.scene.materials.push(copy);
+        self.scene.materials.len() - 1
     }
 
     fn default_material(&mut self) -> usize {
