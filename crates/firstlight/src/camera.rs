@@ -72,6 +72,7 @@ impl Camera {
 
     /// The ray through a point of the film, in pixels from its upper left corner, and a point of the lens: two
     /// numbers in 0..1 that are spread evenly over its area.
+    #[inline(always)]
     pub fn ray(&self, film: Vec2, lens: Vec2) -> Ray {
         let across = self.corner + film.x * self.pixel_right + film.y * self.pixel_down;
         let position = self.position.as_vec3();

@@ -6,6 +6,8 @@ use crate::image::Image;
 use crate::integrator::{Direct, RayCounts, Scratch};
 use crate::sampler::camera_sample;
 use crate::scene::Scene;
+use crate::simd::{Kernel, Simd};
+use glam::Vec2;
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::sync::Mutex;
@@ -133,7 +135,8 @@ impl<'a> Render<'a> {
             let work = tiles.len() as u64 * u64::from(samples.div_ceil(PASS));
             tiles.par_iter_mut().for_each_init(Worker::default, |worker, tile| {
                 if !self.tally().stop {
-                    self.render_tile(tile, pass.clone(), worker);
+                    let level = self.scene.level();
+                    level.run(TilePass { render: self, tile, samples: pass.clone(), worker });
                     self.report(worker, work);
                 }
             });
@@ -151,29 +154,6 @@ impl<'a> Render<'a> {
             brightest: tally.brightest,
             dropped: tally.dropped,
             first_dropped: tally.first_dropped,
-        }
-    }
-
-    /// Adds the samples `pass` to every pixel of `tile`.
-    fn render_tile(&self, tile: &mut Tile, pass: std::ops::Range<u32>, worker: &mut Worker) {
-        let (camera, film) = (self.scene.camera(), self.scene.film());
-        worker.rays.clear();
-        worker.places.clear();
-        for index in 0..tile.pixels.len() {
-            let [x, y] = tile.place(index);
-            for sample in pass.clone() {
-                let sample = camera_sample(x, y, sample, film.seed);
-                let (shift, weight) = self.filter.place(sample.film);
-                let center = glam::Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
-                worker.rays.push(camera.ray(center + shift, sample.lens));
-                worker.places.push((index, weight));
-            }
-        }
-        Direct::new(self.scene, film.transparent).gather(&worker.rays, &mut worker.scratch);
-        for (sample, &(index, weight)) in worker.scratch.samples.iter().zip(&worker.places) {
-            if !tile.pixels[index].add(sample, weight) {
-                worker.dropped.get_or_insert((tile.place(index), 0)).1 += 1;
-            }
         }
     }
 
@@ -201,6 +181,43 @@ impl<'a> Render<'a> {
 
     fn tally(&self) -> std::sync::MutexGuard<'_, Tally> {
         self.tally.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+    }
+}
+
+/// One pass over one tile, with all its stages compiled for the processor's level.
+struct TilePass<'a> {
+    render: &'a Render<'a>,
+    tile: &'a mut Tile,
+    samples: std::ops::Range<u32>,
+    worker: &'a mut Worker,
+}
+
+impl Kernel for TilePass<'_> {
+    type Output = ();
+
+    /// Adds the samples to every pixel of the tile.
+    #[inline(always)]
+    fn run<S: Simd>(self, _: S) {
+        let Self { render, tile, samples, worker } = self;
+        let (camera, film) = (render.scene.camera(), render.scene.film());
+        worker.rays.clear();
+        worker.places.clear();
+        for index in 0..tile.pixels.len() {
+            let [x, y] = tile.place(index);
+            let center = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
+            for sample in samples.clone() {
+                let sample = camera_sample(x, y, sample, film.seed);
+                let (shift, weight) = render.filter.place(sample.film);
+                worker.rays.push(camera.ray(center + shift, sample.lens));
+                worker.places.push((index, weight));
+            }
+        }
+        Direct::new(render.scene, film.transparent).gather(&worker.rays, &mut worker.scratch);
+        for (sample, &(index, weight)) in worker.scratch.samples.iter().zip(&worker.places) {
+            if !tile.pixels[index].add(sample, weight) {
+                worker.dropped.get_or_insert((tile.place(index), 0)).1 += 1;
+            }
+        }
     }
 }
 

@@ -32,11 +32,13 @@ impl FilterSampler {
     }
 
     /// The place of a sample relative to the pixel's centre, in pixels, and its weight, from numbers in 0..1.
+    #[inline(always)]
     pub(crate) fn place(&self, sample: Vec2) -> (Vec2, f32) {
         let place = Vec2::new(self.invert(sample.x), self.invert(sample.y));
         (place, if self.has_lobes { self.sign(place.x) * self.sign(place.y) } else { 1.0 })
     }
 
+    #[inline(always)]
     fn invert(&self, sample: f32) -> f32 {
         let place = sample * PIECES as f32;
         let piece = (place as usize).min(PIECES - 1);

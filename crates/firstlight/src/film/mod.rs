@@ -29,6 +29,7 @@ pub(crate) struct Pixel {
 
 impl Pixel {
     /// Adds a sample with the weight of its place under the filter. Returns whether it was finite; others are dropped.
+    #[inline(always)]
     pub(crate) fn add(&mut self, sample: &Sample, weight: f32) -> bool {
         if !sample.radiance.is_finite() {
             return false;
@@ -84,6 +85,7 @@ impl Tile {
     }
 
     /// Column and row in the whole picture of a pixel of the tile.
+    #[inline(always)]
     pub(crate) fn place(&self, index: usize) -> [u32; 2] {
         let (x, y) = (index as u32 % self.size[0], index as u32 / self.size[0]);
         [self.origin[0] + x, self.origin[1] + y]

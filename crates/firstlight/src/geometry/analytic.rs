@@ -164,6 +164,7 @@ impl Analytic {
     }
 
     /// The point of `part` nearest to where the ray is at `t`, put back onto the surface.
+    #[inline(always)]
     pub(crate) fn point(&self, ray: &Ray, t: f64, part: u32) -> AnalyticPoint {
         let along = ray.origin.as_dvec3() + t * ray.direction.as_dvec3();
         let (local, normal, uv) = self.kind.point(self.to_object.transform_point3(along), part);
@@ -210,6 +211,7 @@ impl Kind {
     }
 
     /// A point near `part` → the point on it, its outward normal (any length), (u, v).
+    #[inline(always)]
     fn point(self, p: DVec3, part: u32) -> (DVec3, DVec3, DVec2) {
         let around = || p.y.atan2(p.x).rem_euclid(TAU) / TAU;
         match (self, part) {

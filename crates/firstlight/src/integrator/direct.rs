@@ -90,6 +90,7 @@ impl<'a> Direct<'a> {
     }
 
     /// Radiance along each of `rays`, into `scratch.samples`.
+    #[inline(always)]
     pub(crate) fn gather(&self, rays: &[Ray], scratch: &mut Scratch) {
         self.closest_hits(rays, scratch);
         self.surface_points(rays, scratch);
@@ -111,6 +112,7 @@ impl<'a> Direct<'a> {
     }
 
     /// The lecture's loop over lights, for all points.
+    #[inline(always)]
     fn add_lights(&self, scratch: &mut Scratch) {
         for light in &self.scene.lights {
             self.sample_light(light, scratch);
@@ -119,6 +121,7 @@ impl<'a> Direct<'a> {
         }
     }
 
+    #[inline(always)]
     fn closest_hits(&self, rays: &[Ray], scratch: &mut Scratch) {
         scratch.counts.camera += rays.len() as u64;
         scratch.hits.clear();
@@ -131,6 +134,7 @@ impl<'a> Direct<'a> {
     }
 
     /// Starts each ray's sum: the background, or what the surface emits and reflects of the ambient light.
+    #[inline(always)]
     fn surface_points(&self, rays: &[Ray], scratch: &mut Scratch) {
         let Scratch { hits, points, samples, .. } = scratch;
         points.clear();
@@ -163,6 +167,7 @@ impl<'a> Direct<'a> {
     }
 
     /// What `light` would add to each point, with the shadow rays that decide whether it does.
+    #[inline(always)]
     fn sample_light(&self, light: &Light, scratch: &mut Scratch) {
         let Scratch { points, shadow_rays, awaited, samples, .. } = scratch;
         let t_min = self.scene.shadow_t_min();
@@ -185,6 +190,7 @@ impl<'a> Direct<'a> {
         }
     }
 
+    #[inline(always)]
     fn trace_shadows(&self, scratch: &mut Scratch) {
         let Scratch { shadow_rays, occluded, counts, .. } = scratch;
         counts.shadow += shadow_rays.len() as u64;
@@ -192,6 +198,7 @@ impl<'a> Direct<'a> {
     }
 }
 
+#[inline(always)]
 fn sum(scratch: &mut Scratch) {
     for (awaited, &occluded) in scratch.awaited.iter().zip(&scratch.occluded) {
         if !occluded {
@@ -202,6 +209,7 @@ fn sum(scratch: &mut Scratch) {
 
 impl Scene {
     /// Where shadow rays from a surface start, by the scene's way of keeping them off it.
+    #[inline(always)]
     fn shadow_start(&self, surface: &SurfaceInteraction, seen_along: &Ray) -> Vec3 {
         let naive = || seen_along.at(surface.hit.t);
         match self.shadows {
@@ -212,6 +220,7 @@ impl Scene {
     }
 
     /// Where the range of shadow rays starts.
+    #[inline(always)]
     fn shadow_t_min(&self) -> f32 {
         if let Shadows::TRange { epsilon } = self.shadows { epsilon as f32 } else { 0.0 }
     }

@@ -18,6 +18,7 @@ pub(crate) struct CameraSample {
 const SEQUENCE: u32 = 1 << 16;
 
 /// Sample number `index` of the pixel in column `x`, row `y`.
+#[inline(always)]
 pub(crate) fn camera_sample(x: u32, y: u32, index: u32, seed: u64) -> CameraSample {
     let pixel = u64::from(x) << 32 | u64::from(y);
     let scramble = hash(hash(seed ^ u64::from(index / SEQUENCE) << 32) ^ pixel) as u32;

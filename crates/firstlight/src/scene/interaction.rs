@@ -10,6 +10,7 @@ use glam::{DVec3, Vec2, Vec3, Vec4};
 
 impl Scene {
     /// The point that `ray` hit.
+    #[inline(always)]
     pub(crate) fn interaction(&self, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
         match &self.world.parts()[hit.surface as usize] {
             Part::Mesh(part) => on_mesh(part, ray, hit),
@@ -18,11 +19,13 @@ impl Scene {
     }
 
     /// The material of what was hit.
+    #[inline(always)]
     pub(crate) fn material(&self, hit: &Hit) -> &Material {
         &self.materials[self.material_of[hit.surface as usize] as usize]
     }
 
     /// Linear RGBA of a texture at a point.
+    #[inline(always)]
     pub(crate) fn evaluate(&self, texture: &Texture, at: &SurfaceInteraction) -> Vec4 {
         let uv = match (uv_set(texture), &self.world.parts()[at.hit.surface as usize]) {
             (set @ 1.., Part::Mesh(part)) => mesh_uv(&part.mesh, set, &at.hit),
@@ -38,6 +41,7 @@ impl Scene {
     }
 }
 
+#[inline(always)]
 fn on_analytic(shape: &Analytic, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
     let point = shape.point(ray, f64::from(hit.t), hit.primitive);
     let position = point.position.as_vec3();
@@ -55,6 +59,7 @@ fn on_analytic(shape: &Analytic, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
 }
 
 /// Positions are interpolated in double precision and rounded once, in world space.
+#[inline(always)]
 fn on_mesh(part: &MeshPart, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
     let corners = part.corners(hit.primitive);
     let [a, b, c] = corners.map(Vec3::as_dvec3);
@@ -79,6 +84,7 @@ fn on_mesh(part: &MeshPart, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
 }
 
 /// Replaces the flat normal by the mix of the corners' normals, and lifts the point onto the surface they suggest.
+#[inline(always)]
 fn smooth(interaction: &mut SurfaceInteraction, part: &MeshPart, corners: [Vec3; 3]) {
     let (mesh, hit) = (&part.mesh, &interaction.hit);
     let side = interaction.geometric_normal;
@@ -97,6 +103,7 @@ fn smooth(interaction: &mut SurfaceInteraction, part: &MeshPart, corners: [Vec3;
 }
 
 /// The unit normal, on the side that the ray comes from; against the ray if there is none.
+#[inline(always)]
 fn facing(normal: Vec3, ray: &Ray) -> Vec3 {
     match normal.try_normalize() {
         Some(normal) if normal.dot(ray.direction) > 0.0 => -normal,
@@ -105,12 +112,14 @@ fn facing(normal: Vec3, ray: &Ray) -> Vec3 {
     }
 }
 
+#[inline(always)]
 fn world_normal(part: &MeshPart, normal: DVec3) -> Vec3 {
     let normal = if part.instanced { part.to_object.matrix3.transpose() * normal } else { normal };
     normal.normalize_or_zero().as_vec3()
 }
 
 /// What was rounded to f32 per axis: the position, and for instances the ray's origin in the mesh's space.
+#[inline(always)]
 fn rounded(part: &MeshPart, position: DVec3, local: DVec3) -> Vec3 {
     let position = position.abs();
     let m = part.to_world.matrix3;
@@ -130,10 +139,12 @@ fn mix<T: Copy + std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>>(
     a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v
 }
 
+#[inline(always)]
 fn mesh_uv(mesh: &Mesh, set: usize, hit: &Hit) -> Vec2 {
     mesh.uvs.get(set).map_or(Vec2::ZERO, |uvs| mix(mesh, uvs, hit))
 }
 
+#[inline(always)]
 fn mesh_color(mesh: &Mesh, hit: &Hit) -> [f32; 4] {
     if mesh.colors.is_empty() {
         return [1.0; 4];

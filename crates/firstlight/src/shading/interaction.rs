@@ -31,6 +31,7 @@ impl SurfaceInteraction {
     /// Pharr, Jakob, Humphreys, *Physically Based Rendering* §6.8, with positions in double precision, so that the
     /// distance is a rounding error of the coordinates themselves. The lift: Hanika, *Hacking the Shadow Terminator*,
     /// Ray Tracing Gems II ch. 4.
+    #[inline(always)]
     pub(crate) fn ray_origin(&self) -> Vec3 {
         self.position + self.lift + self.clearance * self.geometric_normal
     }
@@ -41,6 +42,7 @@ impl SurfaceInteraction {
 /// `rounded`: absolute values of every number that was rounded to f32 on the way, per axis; `magnitude`: the largest
 /// number that double precision rounded. Each f32 is off by half an ulp, and so is the sum with the clearance; the
 /// factor of two is margin.
+#[inline(always)]
 pub(crate) fn clearance(normal: Vec3, rounded: Vec3, magnitude: f64) -> f32 {
     2.0 * f32::EPSILON * normal.abs().dot(rounded) + (1e-14 * magnitude) as f32
 }
@@ -49,6 +51,7 @@ pub(crate) fn clearance(normal: Vec3, rounded: Vec3, magnitude: f64) -> f32 {
 ///
 /// The point is projected onto the tangent plane of each corner that lies above it; the results are mixed by the
 /// same weights. All normals are on the side of the eye, which mirrors the surface for its back.
+#[inline(always)]
 pub(crate) fn lift(point: Vec3, corners: [Vec3; 3], normals: [Vec3; 3], weights: [f32; 3]) -> Vec3 {
     let below = |i: usize| (point - corners[i]).dot(normals[i]).min(0.0);
     (0..3).map(|i| -weights[i] * below(i) * normals[i]).sum()

@@ -41,6 +41,7 @@ pub(crate) struct LightSample {
 impl Light {
     /// What reaches `point`; `None` if nothing does. In double precision, since near the rim of a spot a rounding
     /// error of the place would show.
+    #[inline(always)]
     pub(crate) fn sample(&self, point: DVec3) -> Option<LightSample> {
         match &self.source {
             Source::Point { position, intensity } => from_point(*position, *intensity, point),
@@ -63,6 +64,7 @@ impl Light {
 
 impl LightSample {
     /// The shadow ray from `origin`, which is near `point`, that ends just before the light.
+    #[inline(always)]
     pub(crate) fn ray_from(&self, point: Vec3, origin: Vec3, t_min: f32) -> Ray {
         let Some(to_light) = self.distance.is_finite().then(|| self.incoming * self.distance)
         else {
@@ -76,6 +78,7 @@ impl LightSample {
 }
 
 /// The lecture's E = I / r²: intensity × geometry factor.
+#[inline(always)]
 fn from_point(position: DVec3, intensity: Rgb, point: DVec3) -> Option<LightSample> {
     let to_light = position - point;
     let incoming = to_light.normalize().as_vec3();
