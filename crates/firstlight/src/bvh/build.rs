@@ -45,29 +45,63 @@ const DEEP: usize = 32;
 /// Nodes with fewer references are built by one thread.
 const PARALLEL: usize = 4096;
 
+/// Gives the corners and flags of a triangle by its number.
+pub(super) type Triangles<'a> = &'a (dyn Fn(u32) -> ([Vec3; 3], u32) + Sync);
+
 /// Builds a tree over `references`, which must not be empty.
-pub(super) fn build(references: &mut [Reference]) -> Branch {
-    branch(references, 0)
+pub(super) fn build(references: &mut [Reference], triangles: Triangles) -> Branch {
+    branch(references, triangles, 0)
 }
 
-fn branch(references: &mut [Reference], depth: usize) -> Branch {
+fn branch(references: &mut [Reference], triangles: Triangles, depth: usize) -> Branch {
+    let kept = if coincide(references) {
+        first_of_equals(references, triangles)
+    } else {
+        references.len()
+    };
+    let references = &mut references[..kept];
     let bounds = references.iter().fold(Bounds::EMPTY, |b, r| b.union(r.bounds));
     let content = match choose_cut(references, bounds, depth) {
         None => Content::Leaf(references.iter().map(|r| r.item).collect()),
         Some(cut) => {
             let middle = cut.partition(references);
             let (left, right) = references.split_at_mut(middle);
-            Content::Split(Box::new(halves(left, right, depth + 1)))
+            Content::Split(Box::new(halves([left, right], triangles, depth + 1)))
         }
     };
     Branch { bounds, content }
 }
 
-fn halves(left: &mut [Reference], right: &mut [Reference], depth: usize) -> [Branch; 2] {
+fn halves(halves: [&mut [Reference]; 2], triangles: Triangles, depth: usize) -> [Branch; 2] {
+    let [left, right] = halves;
     if left.len() + right.len() < PARALLEL {
-        return [branch(left, depth), branch(right, depth)];
+        return [branch(left, triangles, depth), branch(right, triangles, depth)];
     }
-    rayon::join(|| branch(left, depth), || branch(right, depth)).into()
+    rayon::join(|| branch(left, triangles, depth), || branch(right, triangles, depth)).into()
+}
+
+/// Whether there are too many for a leaf and no cut can part them.
+fn coincide(references: &[Reference]) -> bool {
+    references.len() > LANES && references.iter().all(|r| r.bounds == references[0].bounds)
+}
+
+/// Moves the first of each set of equal triangles to the front and returns their number: of equal triangles a ray
+/// hits the first. Others stay, as do triangles with flags, which may differ in what they show.
+fn first_of_equals(references: &mut [Reference], triangles: Triangles) -> usize {
+    let key = |reference: &Reference| match reference.item {
+        Item::Triangle(number) => match triangles(number) {
+            (corners, 0) => (corners.map(|p| p.to_array().map(f32::to_bits)), 0, number),
+            (_, _) => (Default::default(), 1, number),
+        },
+        Item::Other(surface) => (Default::default(), 2, surface),
+    };
+    let mut keyed: Vec<_> = references.iter().map(|r| (key(r), *r)).collect();
+    keyed.sort_unstable_by_key(|(key, _)| *key);
+    keyed.dedup_by(|(a, _), (b, _)| a.1 == 0 && b.1 == 0 && a.0 == b.0);
+    for (slot, (_, reference)) in references.iter_mut().zip(&keyed) {
+        *slot = *reference;
+    }
+    keyed.len()
 }
 
 /// Where a node is cut.

@@ -239,6 +239,17 @@ fn a_hole_of_one_triangle_is_found() {
     assert!(closest(&world, &rays).iter().any(|hit| !hit.is_some()));
 }
 
+/// A hundred thousand copies of a triangle cost no more than one, and the first of them is hit.
+#[test]
+fn equal_triangles_are_kept_once() {
+    let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
+    let mesh = Mesh { positions, triangles: vec![[0, 1, 2]; 100_000], ..Mesh::default() };
+    let world = world(&Arc::new(mesh), &[DAffine3::IDENTITY], false);
+    assert!(world.memory() < 10_000, "{} bytes", world.memory());
+    let hit = closest(&world, &[Ray::new(Vec3::new(0.2, 0.2, 1.0), -Vec3::Z)])[0];
+    assert_eq!((hit.t, hit.primitive), (1.0, 0));
+}
+
 /// Nodes far from the origin, planes along the axes, boxes without volume.
 #[test]
 fn flat_boxes_are_not_missed() {

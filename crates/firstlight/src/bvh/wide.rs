@@ -1,13 +1,9 @@
 //! From the binary tree to the eight-wide one that is traversed.
 
-use super::build::{Branch, Content, Item, Reference, build};
+use super::build::{Branch, Content, Item, Reference, Triangles, build};
 use crate::geometry::Bounds;
 use crate::kernels::{Child, Node, Tree, TriangleBlock};
 use crate::simd::LANES;
-use glam::Vec3;
-
-/// Gives the corners and flags of a triangle by its number.
-pub(super) type Triangles<'a> = &'a dyn Fn(u32) -> ([Vec3; 3], u32);
 
 /// Builds the tree over `references`.
 pub(super) fn tree(mut references: Vec<Reference>, triangles: Triangles) -> Tree {
@@ -16,7 +12,7 @@ pub(super) fn tree(mut references: Vec<Reference>, triangles: Triangles) -> Tree
     if references.is_empty() {
         return tree;
     }
-    let root = build(&mut references);
+    let root = build(&mut references, triangles);
     drop(references);
     tree.bounds = root.bounds;
     tree.reach = root.bounds.reach();
