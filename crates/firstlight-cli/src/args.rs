@@ -141,7 +141,7 @@ pub(crate) struct StudioArgs {
     #[arg(long, value_enum, value_name = "AXIS")]
     pub up: Option<Axis>,
     /// Length of 1 in the file, such as mm or "2.5 cm" [default: 1 m]
-    #[arg(long, value_name = "LENGTH")]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     pub unit: Option<String>,
 }
 

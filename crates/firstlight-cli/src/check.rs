@@ -9,7 +9,7 @@ use serde_json::json;
 
 pub(crate) fn run(args: &CheckArgs) -> Outcome {
     let mut warnings = Warnings::new();
-    let scene = args.input.load(Vec::new(), &mut warnings)?;
+    let scene = args.input.load(&mut warnings)?;
     // A model is lit by the studio if it has no lights.
     if !args.input.is_model() {
         warnings.extend(verdict::unlit(&scene));

@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 
 pub(crate) fn run(args: &InfoArgs) -> Outcome {
     let mut warnings = Warnings::new();
-    let scene = args.input.load(Vec::new(), &mut warnings)?;
+    let scene = args.input.load(&mut warnings)?;
     report::warnings(&warnings);
     if args.json {
         let mut json = as_json(&scene);

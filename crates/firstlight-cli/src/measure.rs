@@ -18,7 +18,7 @@ use std::io::IsTerminal;
 pub(crate) fn run(args: &MeasureArgs) -> Outcome {
     let queries = args.queries()?;
     let mut warnings = Warnings::new();
-    let mut scene = args.input.load(Vec::new(), &mut warnings)?;
+    let mut scene = args.input.load(&mut warnings)?;
     choose_camera(&mut scene, args.camera.as_deref())?;
     warnings.extend(verdict::unlit(&scene));
     report::warnings(&warnings);

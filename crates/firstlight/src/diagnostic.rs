@@ -64,6 +64,13 @@ impl Diagnostic {
     }
 }
 
+impl Place {
+    /// Whether it is a file, and no line or part of it.
+    pub(crate) fn is_whole_file(&self) -> bool {
+        self.line.is_none() && self.part.is_none()
+    }
+}
+
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.file)?;

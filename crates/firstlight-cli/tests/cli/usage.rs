@@ -50,6 +50,30 @@ fn the_output_is_checked_before_rendering() {
     }
 }
 
+#[test]
+fn no_input_is_overwritten() {
+    let folder = Folder::new();
+    folder.run("render scene.toml -q -r 4x4 -o sky.png").done();
+    std::fs::copy(folder.path("sky.png"), folder.path("far.png")).unwrap();
+    folder.write("m.obj", "mtllib m.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n");
+    folder.write("m.mtl", "newmtl a\nmap_Kd sky.png\n");
+    let models = "[models.m]\nfile = \"m.obj\"\n";
+    let floor = "[materials.a.lambert]\nreflectance = { image = { file = \"far.png\" } }\n";
+    folder.write("far.toml", &format!("{SCENE}{models}{floor}"));
+    // So many samples that the test would never end if it were not checked before.
+    let render = "render far.toml --spp 16777216 --format png";
+    for output in ["", "-o sky.png", "-o ./far.png", "-o far.toml", "-o m.mtl", "-o m.obj"] {
+        let ran = folder.run(&format!("{render} {output}"));
+        ran.fails(2, &["the picture would overwrite this file", "help: name another file with -o"]);
+    }
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("sky.png", folder.path("link.png")).unwrap();
+        folder.run(&format!("{render} -o link.png")).fails(2, &["link.png: the picture would"]);
+    }
+    folder.run("render far.toml -q -r 4x4 -o new.png").done();
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn memory_is_asked_for_before_it_is_used() {

@@ -155,11 +155,20 @@ impl Builder<'_> {
         let real = path.canonicalize().unwrap_or_else(|_| path.clone());
         if !self.models.contains_key(&real) {
             let access = self.access.within(&path);
-            let (model, format) = model::read_with_format(&path, &access, warnings)?;
+            let read = model::read_with_format(&path, &access, warnings);
+            let (model, format) = self.placed_where_named(span, read)?;
             let part = self.scene.adopt(model);
             self.models.insert(real.clone(), (part, format));
         }
         Ok(real)
+    }
+
+    /// What was read, or the complaint about it: where the file is named, if it is about the whole file.
+    fn placed_where_named<T>(&self, span: &Span, read: Result<T>) -> Result<T> {
+        match read {
+            Err(error) if error.place.is_whole_file() => self.document.open(span, Err(error)),
+            other => other,
+        }
     }
 
     /// Repeats the surfaces of a surface or model, moved after their own transform.

@@ -19,6 +19,8 @@ pub struct Override {
     keys: Vec<(String, Range<usize>)>,
     /// Where the value stands in `text`, without blanks around it.
     value: Range<usize>,
+    /// What the user wrote instead, if it was not `-D`.
+    called: Option<String>,
 }
 
 impl FromStr for Override {
@@ -36,11 +38,22 @@ impl FromStr for Override {
         let after = &text[equals + 1..];
         let start = equals + 1 + (after.len() - after.trim_start().len());
         let value = start..start + after.trim().len();
-        Ok(Self { text: text.to_owned(), keys, value })
+        Ok(Self { text: text.to_owned(), keys, value, called: None })
     }
 }
 
 impl Override {
+    /// The same, but complaints call it `name`.
+    #[must_use]
+    pub fn called(self, name: impl Into<String>) -> Self {
+        Self { called: Some(name.into()), ..self }
+    }
+
+    /// Whether the user wrote something else than a path and a value.
+    pub(super) fn is_called(&self) -> bool {
+        self.called.is_some()
+    }
+
     /// The keys that lead to the value: `film`, `samples`.
     pub fn path(&self) -> impl Iterator<Item = &str> {
         self.keys.iter().map(|(key, _)| key.as_str())
@@ -107,7 +120,11 @@ impl Override {
 
     /// The override itself as the place of a complaint.
     pub(super) fn place(&self) -> Place {
-        Place { file: format!("-D {}", visible(&self.text)), ..Place::default() }
+        let file = match &self.called {
+            Some(name) => visible(name),
+            None => format!("-D {}", visible(&self.text)),
+        };
+        Place { file, ..Place::default() }
     }
 
     fn error(&self, message: String) -> Box<Diagnostic> {

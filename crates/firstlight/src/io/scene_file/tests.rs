@@ -38,7 +38,8 @@ fn the_examples_of_the_reference_are_scenes() {
         reference.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
     assert_eq!(examples.len(), 9);
     for example in &examples {
-        let document = Document { name: "example", text: example, overrides: &[] };
+        let document =
+            Document { name: "example", text: example, overrides: &[], generated: false };
         document.read::<SceneKeys>().unwrap_or_else(|error| panic!("{error}"));
         // The one with a model would need the model.
         if !example.contains("[models.") {
