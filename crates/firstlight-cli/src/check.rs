@@ -12,7 +12,7 @@ pub(crate) fn run(args: &CheckArgs) -> Outcome {
     let scene = args.input.load(&mut warnings)?;
     // A model is lit by the studio if it has no lights.
     if !args.input.is_model() {
-        warnings.extend(verdict::unlit(&scene));
+        warnings.extend(verdict::foresee(&scene));
     }
     report::warnings(&warnings);
     if args.json {

@@ -36,7 +36,7 @@ pub(crate) fn run(args: RenderArgs) -> Outcome {
     let scene = with_threads(threads, || prepare(&args, &access, &mut warnings))?;
     output.spare(&access.opened())?;
     check_size(&scene, args.crop)?;
-    warnings.extend(verdict::unlit(&scene));
+    warnings.extend(verdict::foresee(&scene));
     report::warnings(&warnings);
     clock.lap("load");
     let level = args.simd.0.unwrap_or_else(Level::detect);

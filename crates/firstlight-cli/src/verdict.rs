@@ -11,6 +11,14 @@ const CLIPPED: f64 = 0.05;
 /// Display values from here on are not just white but brighter.
 const WHITE: f32 = 1.01;
 
+/// What is odd about a scene that a picture is to be made of, as far as that shows before.
+pub(crate) fn foresee(scene: &SceneDescription) -> Option<Diagnostic> {
+    let empty = scene.surfaces.is_empty();
+    empty
+        .then(|| Diagnostic::new("", "the scene has no surfaces: the picture is background"))
+        .or_else(|| unlit(scene))
+}
+
 /// A warning if no light and no emission can reach anything there is.
 pub(crate) fn unlit(scene: &SceneDescription) -> Option<Diagnostic> {
     let emits = |material: usize| {
@@ -39,11 +47,8 @@ fn dropped(Picture { rendered, .. }: &Picture) -> Option<Diagnostic> {
 
 fn dark(scene: &SceneDescription, picture: &Picture) -> Option<Diagnostic> {
     let rendered = &picture.rendered;
-    if rendered.samples == 0 || unlit(scene).is_some() {
+    if rendered.samples == 0 || foresee(scene).is_some() {
         return None;
-    }
-    if scene.surfaces.is_empty() {
-        return Some(Diagnostic::new("", "the scene has no surfaces: the picture is background"));
     }
     if rendered.surface_rays == 0 {
         let error = Diagnostic::new("", "nothing is in front of the camera: all is background");

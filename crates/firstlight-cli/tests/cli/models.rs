@@ -96,6 +96,25 @@ fn a_file_that_is_no_model_is_told_where_it_is_named() {
 }
 
 #[test]
+fn a_model_without_triangles_is_refused() {
+    let folder = folder();
+    folder.write(
+        "none.gltf",
+        r#"{ "asset": { "version": "2.0" }, "nodes": [{}], "scenes": [{ "nodes": [0] }] }"#,
+    );
+    for command in ["render", "check", "info"] {
+        let ran = folder.run(&format!("{command} none.gltf"));
+        ran.fails(2, &["error: none.gltf: no triangles in this file"]);
+    }
+    folder.write("a.toml", "[models.m]\nfile = \"none.gltf\"\n");
+    let ran = folder.run("check a.toml");
+    ran.fails(0, &["warning: a.toml:2:8: models.m.file names a model without triangles"]);
+    folder.write("flat.obj", "v 0 0 0\nv 1 0 0\nv nan 0 0\nf 1 2 2\nf 1 2 3\n");
+    let reason = "all 2 faces are without area or not finite, first here";
+    folder.run("check flat.obj").fails(2, &["flat.obj:4: no triangles in this file", reason]);
+}
+
+#[test]
 fn a_model_without_ground_can_be_cut_out() {
     let folder = folder();
     let codes = picture(&folder, "m.obj --transparent");
