@@ -4,6 +4,7 @@ use crate::args::CheckArgs;
 use crate::output::{print, print_json};
 use crate::{Exit, Outcome, report, verdict};
 use firstlight::SceneDescription;
+use firstlight::diagnostic::visible;
 use firstlight::io::Warnings;
 use serde_json::json;
 
@@ -40,7 +41,7 @@ fn summary(args: &CheckArgs, scene: &SceneDescription, warnings: usize) -> Strin
         counted(scene.cameras.len(), "camera"),
         counted(warnings, "warning"),
     ];
-    format!("{}: {}\n", args.input.name(), parts.join(", "))
+    format!("{}: {}\n", visible(&args.input.name()), parts.join(", "))
 }
 
 fn json(args: &CheckArgs, scene: &SceneDescription, warnings: &Warnings) -> serde_json::Value {

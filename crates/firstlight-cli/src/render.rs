@@ -7,7 +7,7 @@ use crate::machine::{self, Stop};
 use crate::output::{Output, print_json};
 use crate::report::{self, Bar};
 use crate::{Exit, Failure, Outcome, studio, verdict};
-use firstlight::diagnostic::{Diagnostic, Result};
+use firstlight::diagnostic::{Diagnostic, Result, visible};
 use firstlight::io::{Develop, FileAccess, Format, Metadata, Warnings, save};
 use firstlight::render::{Crop, RenderOptions, Rendered, render, with_threads};
 use firstlight::scene::description::Exposure;
@@ -196,7 +196,7 @@ impl Done<'_> {
             return print_json(&self.json());
         }
         if !self.args.quiet {
-            report::line(self.line());
+            report::line(visible(&self.line()));
         }
         Ok(())
     }

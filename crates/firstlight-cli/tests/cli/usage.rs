@@ -125,6 +125,25 @@ fn a_file_without_end_is_not_read() {
     folder.run("check zero.toml").fails(2, &["this is a device or a pipe"]);
 }
 
+#[cfg(unix)]
+#[test]
+fn no_file_steers_the_terminal() {
+    let folder = Folder::new();
+    let name = "\u{1b}[2Jred\u{7}.toml";
+    folder.write(name, SCENE);
+    for line in ["check", "info", "render -r 4x4", "render -r 4x4 -o \u{1b}[1m.png"] {
+        let output = folder.command(line).arg(name).output().unwrap();
+        assert!(output.status.success(), "{line:?}");
+        let said = String::from_utf8([output.stdout, output.stderr].concat()).unwrap();
+        assert!(said.contains("\u{fffd}["), "{said:?}");
+        assert!(!said.replace('\n', "").contains(char::is_control), "{said:?}");
+    }
+    folder.write(name, "film.samples = \"\u{9b}31m\"\n");
+    let ran = folder.command("check").arg(name).output().unwrap();
+    let said = String::from_utf8(ran.stderr).unwrap();
+    assert!(!said.replace('\n', "").contains(char::is_control), "{said:?}");
+}
+
 #[test]
 fn studio_flags_are_for_models() {
     let folder = Folder::new();
