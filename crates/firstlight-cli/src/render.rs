@@ -37,6 +37,7 @@ pub(crate) fn run(args: RenderArgs) -> Outcome {
     output.spare(&access.opened())?;
     check_size(&scene, args.crop)?;
     warnings.extend(verdict::foresee(&scene));
+    warnings.extend(verdict::opaque(&scene, output.format));
     report::warnings(&warnings);
     clock.lap("load");
     let level = args.simd.0.unwrap_or_else(Level::detect);

@@ -15,7 +15,7 @@ fn bad_numbers_are_refused() {
         ("--spp 9223372036854775808", "--spp"),
         ("-t 0", "not in 1..=1024"),
         ("-t 1000000000", "not in 1..=1024"),
-        ("--seed -1", "--seed"),
+        ("--seed -1", "must be a whole number from 0 to"),
         ("--crop 0,0,0,1", "four whole numbers"),
         ("--exposure nan", "must be from"),
         ("--exposure bright", "needs a number; or auto"),
