@@ -76,7 +76,7 @@ pub(crate) struct RenderArgs {
     #[arg(allow_negative_numbers = true)]
     pub threads: Option<u32>,
     /// Seed of every random number
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    #[arg(long, value_name = "N", value_parser = seed)]
     #[arg(allow_negative_numbers = true)]
     pub seed: Option<u64>,
     /// Render only this part of the picture, in pixels from its upper left corner
@@ -141,7 +141,7 @@ pub(crate) struct StudioArgs {
     #[arg(long, value_enum, value_name = "AXIS")]
     pub up: Option<Axis>,
     /// Length of 1 in the file, such as mm or "2.5 cm" [default: 1 m]
-    #[arg(long, value_name = "LENGTH")]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     pub unit: Option<String>,
 }
 
@@ -253,6 +253,12 @@ type Parsed<T> = Result<T, String>;
 
 fn samples() -> clap::builder::RangedI64ValueParser<u32> {
     clap::value_parser!(u32).range(1..=i64::from(FilmDescription::MOST_SAMPLES))
+}
+
+fn seed(text: &str) -> Parsed<u64> {
+    const LARGEST: u64 = i64::MAX as u64;
+    let number = text.parse().ok().filter(|seed| *seed <= LARGEST);
+    number.ok_or_else(|| format!("must be a whole number from 0 to {LARGEST}"))
 }
 
 fn resolution(text: &str) -> Parsed<[u32; 2]> {

@@ -4,15 +4,16 @@ use crate::args::CheckArgs;
 use crate::output::{print, print_json};
 use crate::{Exit, Outcome, report, verdict};
 use firstlight::SceneDescription;
+use firstlight::diagnostic::visible;
 use firstlight::io::Warnings;
 use serde_json::json;
 
 pub(crate) fn run(args: &CheckArgs) -> Outcome {
     let mut warnings = Warnings::new();
-    let scene = args.input.load(Vec::new(), &mut warnings)?;
+    let scene = args.input.load(&mut warnings)?;
     // A model is lit by the studio if it has no lights.
     if !args.input.is_model() {
-        warnings.extend(verdict::unlit(&scene));
+        warnings.extend(verdict::foresee(&scene));
     }
     report::warnings(&warnings);
     if args.json {
@@ -40,7 +41,7 @@ fn summary(args: &CheckArgs, scene: &SceneDescription, warnings: usize) -> Strin
         counted(scene.cameras.len(), "camera"),
         counted(warnings, "warning"),
     ];
-    format!("{}: {}\n", args.input.name(), parts.join(", "))
+    format!("{}: {}\n", visible(&args.input.name()), parts.join(", "))
 }
 
 fn json(args: &CheckArgs, scene: &SceneDescription, warnings: &Warnings) -> serde_json::Value {

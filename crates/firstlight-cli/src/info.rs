@@ -6,6 +6,7 @@ use crate::output::{print, print_json};
 use crate::{Exit, Outcome, report};
 use firstlight::SceneDescription;
 use firstlight::color::Rgb;
+use firstlight::diagnostic::visible;
 use firstlight::io::Warnings;
 use firstlight::scene::bounds;
 use firstlight::scene::description::*;
@@ -17,7 +18,7 @@ use std::collections::BTreeMap;
 
 pub(crate) fn run(args: &InfoArgs) -> Outcome {
     let mut warnings = Warnings::new();
-    let scene = args.input.load(Vec::new(), &mut warnings)?;
+    let scene = args.input.load(&mut warnings)?;
     report::warnings(&warnings);
     if args.json {
         let mut json = as_json(&scene);
@@ -196,7 +197,7 @@ fn count(number: usize) -> String {
 
 /// Text from a file without control characters.
 fn printable(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).take(80).collect()
+    visible(text).chars().take(80).collect()
 }
 
 fn as_text(name: &str, scene: &SceneDescription) -> String {

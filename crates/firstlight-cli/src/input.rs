@@ -30,19 +30,29 @@ impl InputArgs {
         if self.is_stdin() { "-".into() } else { self.scene.display().to_string() }
     }
 
-    /// Reads the scene with `more` laid over it before the user's own overrides. The result is sound.
-    pub(crate) fn load(
+    /// Access to the files of the scene.
+    pub(crate) fn access(&self) -> FileAccess {
+        FileAccess::beside(&self.scene, &self.allow_path)
+    }
+
+    /// Reads the scene. The result is sound.
+    pub(crate) fn load(&self, warnings: &mut Warnings) -> Outcome<SceneDescription> {
+        self.load_with(Vec::new(), &self.access(), warnings)
+    }
+
+    /// Reads the scene through `access`, with `more` laid over it before the user's own overrides.
+    pub(crate) fn load_with(
         &self,
         more: Vec<Override>,
+        access: &FileAccess,
         warnings: &mut Warnings,
     ) -> Outcome<SceneDescription> {
         let overrides = [more, self.define.clone()].concat();
-        let access = FileAccess::beside(&self.scene, &self.allow_path);
         let scene = if self.is_stdin() {
             let text = read_stdin()?;
-            scene_file::read(&text, STDIN, &overrides, &access, warnings)?
+            scene_file::read(&text, STDIN, &overrides, access, warnings)?
         } else {
-            load(&self.scene, &overrides, &access, warnings)?
+            load(&self.scene, &overrides, access, warnings)?
         };
         scene.check().map_err(|error| self.named(error))?;
         Ok(scene)

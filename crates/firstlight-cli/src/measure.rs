@@ -16,8 +16,12 @@ use std::io::IsTerminal;
 
 pub(crate) fn run(args: &MeasureArgs) -> Outcome {
     let queries = args.queries()?;
+    if queries.is_empty() {
+        let error = Diagnostic::new(STDIN, "no points given");
+        return Err(error.help("write rows of kind and six numbers; see --help").into());
+    }
     let mut warnings = Warnings::new();
-    let mut scene = args.input.load(Vec::new(), &mut warnings)?;
+    let mut scene = args.input.load(&mut warnings)?;
     choose_camera(&mut scene, args.camera.as_deref())?;
     warnings.extend(verdict::unlit(&scene));
     report::warnings(&warnings);

@@ -4,6 +4,7 @@ use crate::args::RenderArgs;
 use crate::{Exit, Failure, Outcome};
 use firstlight::diagnostic::Diagnostic;
 use firstlight::io::{self, Format};
+use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::io::{BufWriter, ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -34,6 +35,17 @@ impl Output {
     /// The file as the user named it, or `-`.
     pub(crate) fn name(&self) -> String {
         self.path.as_ref().map_or("-".into(), |path| path.display().to_string())
+    }
+
+    /// Refuses to write over any of `inputs`, the real paths of what the picture is made of.
+    pub(crate) fn spare(&self, inputs: &BTreeSet<PathBuf>) -> Outcome<()> {
+        let real = self.path.as_ref().and_then(|path| path.canonicalize().ok());
+        if real.is_none_or(|real| !inputs.contains(&real)) {
+            return Ok(());
+        }
+        let message = "the picture would overwrite this file, which the scene is read from";
+        let error = Diagnostic::new(self.name(), message);
+        Err(error.help("name another file with -o").into())
     }
 
     /// Writes the file. If that fails, the bytes are saved in the folder for temporary files, so that the

@@ -7,8 +7,8 @@ use crate::machine::{self, Stop};
 use crate::output::{Output, print_json};
 use crate::report::{self, Bar};
 use crate::{Exit, Failure, Outcome, studio, verdict};
-use firstlight::diagnostic::{Diagnostic, Result};
-use firstlight::io::{Develop, Format, Metadata, Warnings, save};
+use firstlight::diagnostic::{Diagnostic, Result, visible};
+use firstlight::io::{Develop, FileAccess, Format, Metadata, Warnings, save};
 use firstlight::render::{Crop, RenderOptions, Rendered, render, with_threads};
 use firstlight::scene::description::Exposure;
 use firstlight::{Level, Scene, SceneDescription, auto_exposure};
@@ -32,9 +32,12 @@ pub(crate) fn run(args: RenderArgs) -> Outcome {
     let output = Output::plan(&args)?;
     let threads = args.threads.map_or_else(machine::processors, |threads| threads as usize);
     let mut warnings = Warnings::new();
-    let scene = with_threads(threads, || prepare(&args, &mut warnings))?;
+    let access = args.input.access();
+    let scene = with_threads(threads, || prepare(&args, &access, &mut warnings))?;
+    output.spare(&access.opened())?;
     check_size(&scene, args.crop)?;
-    warnings.extend(verdict::unlit(&scene));
+    warnings.extend(verdict::foresee(&scene));
+    warnings.extend(verdict::opaque(&scene, output.format));
     report::warnings(&warnings);
     clock.lap("load");
     let level = args.simd.0.unwrap_or_else(Level::detect);
@@ -57,13 +60,17 @@ pub(crate) fn run(args: RenderArgs) -> Outcome {
 }
 
 /// The scene as the command line wants it.
-fn prepare(args: &RenderArgs, warnings: &mut Warnings) -> Outcome<SceneDescription> {
+fn prepare(
+    args: &RenderArgs,
+    access: &FileAccess,
+    warnings: &mut Warnings,
+) -> Outcome<SceneDescription> {
     let is_model = args.input.is_model();
     if !is_model {
         args.studio.refuse()?;
     }
     let overrides = if is_model { args.studio.overrides(&args.input.scene)? } else { Vec::new() };
-    let mut scene = args.input.load(overrides, warnings)?;
+    let mut scene = args.input.load_with(overrides, access, warnings)?;
     set_film(&mut scene, args);
     choose_camera(&mut scene, args.camera.as_deref())?;
     if is_model {
@@ -190,7 +197,7 @@ impl Done<'_> {
             return print_json(&self.json());
         }
         if !self.args.quiet {
-            report::line(self.line());
+            report::line(visible(&self.line()));
         }
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! All that is said to people, on standard error.
 
-use firstlight::diagnostic::Diagnostic;
+use firstlight::diagnostic::{Diagnostic, visible};
 use firstlight::render::Progress;
 use firstlight::units;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -44,7 +44,7 @@ fn complaint(kind: &str, color: &str, what: &Diagnostic) {
     let message = Diagnostic { help: None, ..what.clone() };
     line(format_args!("{} {message}", painted(&format!("{kind}:"), color)));
     if let Some(help) = &what.help {
-        line(format_args!(" {} {help}", painted("help:", CYAN)));
+        line(format_args!(" {} {}", painted("help:", CYAN), visible(help)));
     }
 }
 

@@ -5,11 +5,29 @@ use firstlight::SceneDescription;
 use firstlight::color::srgb_code8;
 use firstlight::diagnostic::Diagnostic;
 use firstlight::io::{Develop, Format};
+use firstlight::scene::description::FilmDescription;
 
 /// The part of a picture that may be cut off at white without a word.
 const CLIPPED: f64 = 0.05;
 /// Display values from here on are not just white but brighter.
 const WHITE: f32 = 1.01;
+
+/// What is odd about a scene that a picture is to be made of, as far as that shows before.
+pub(crate) fn foresee(scene: &SceneDescription) -> Option<Diagnostic> {
+    let empty = scene.surfaces.is_empty();
+    empty
+        .then(|| Diagnostic::new("", "the scene has no surfaces: the picture is background"))
+        .or_else(|| unlit(scene))
+}
+
+/// A warning if a background is to be transparent in a format that is not.
+pub(crate) fn opaque(scene: &SceneDescription, format: Format) -> Option<Diagnostic> {
+    let opaque = scene.film.transparent && matches!(format, Format::Hdr | Format::Pfm);
+    opaque.then(|| {
+        Diagnostic::new("", "this format has no alpha: the transparent background will be black")
+            .help("write a .png or .exr")
+    })
+}
 
 /// A warning if no light and no emission can reach anything there is.
 pub(crate) fn unlit(scene: &SceneDescription) -> Option<Diagnostic> {
@@ -39,11 +57,8 @@ fn dropped(Picture { rendered, .. }: &Picture) -> Option<Diagnostic> {
 
 fn dark(scene: &SceneDescription, picture: &Picture) -> Option<Diagnostic> {
     let rendered = &picture.rendered;
-    if rendered.samples == 0 || unlit(scene).is_some() {
+    if rendered.samples == 0 || foresee(scene).is_some() {
         return None;
-    }
-    if scene.surfaces.is_empty() {
-        return Some(Diagnostic::new("", "the scene has no surfaces: the picture is background"));
     }
     if rendered.surface_rays == 0 {
         let error = Diagnostic::new("", "nothing is in front of the camera: all is background");
@@ -57,26 +72,38 @@ fn dark(scene: &SceneDescription, picture: &Picture) -> Option<Diagnostic> {
     let [shown, ..] = develop.display([rendered.brightest, 0.0, 0.0, 1.0]);
     let black = is_developed(picture.format) && srgb_code8(shown) == 0;
     black.then(|| {
-        Diagnostic::new("", "what the camera sees is so dim that it comes out black")
-            .help("try --exposure auto, or stronger lights")
+        Diagnostic::new("", "what the camera sees is so dim that it comes out black").help(
+            match picture.auto_exposure {
+                true => "use stronger lights",
+                false => "try --exposure auto, or stronger lights",
+            },
+        )
     })
 }
 
 fn clipped(picture: &Picture) -> Option<Diagnostic> {
     let gain = picture.exposure_ev.exp2() as f32;
-    let covered = || picture.rendered.image.pixels().iter().filter(|pixel| pixel[3] > 0.0);
-    let too_bright = |&&[r, g, b, _]: &&[f32; 4]| gain * r.max(g).max(b) > WHITE;
-    let part = covered().filter(too_bright).count() as f64 / covered().count().max(1) as f64;
+    let covered = picture.rendered.image.pixels().iter().filter(|pixel| pixel[3] > 0.0);
+    let mut levels: Vec<f32> = covered.map(|&[r, g, b, _]| r.max(g).max(b)).collect();
+    let too_bright = levels.iter().filter(|&&level| gain * level > WHITE).count();
+    let part = too_bright as f64 / levels.len().max(1) as f64;
     let warn = is_developed(picture.format) && part > CLIPPED;
     warn.then(|| {
         let message = format!("{:.0} % of the picture is brighter than white", 100.0 * part);
-        let ev = picture.exposure_ev - 1.0;
-        let help = match picture.auto_exposure {
-            true => format!("try --exposure {ev:.2}"),
-            false => "try --exposure auto".into(),
+        let help = match unclipped(&mut levels) {
+            Some(ev) => format!("try --exposure {ev:.2}"),
+            None => "use weaker lights".into(),
         };
         Diagnostic::new("", message).help(help)
     })
+}
+
+/// The greatest exposure at which no more than [`CLIPPED`] of the levels are brighter than white, if there is one.
+fn unclipped(levels: &mut [f32]) -> Option<f64> {
+    let rank = ((1.0 - CLIPPED) * levels.len() as f64).ceil() as usize;
+    let (_, level, _) = levels.select_nth_unstable_by(rank.checked_sub(1)?, f32::total_cmp);
+    let ev = (-100.0 * f64::from(*level).log2()).floor() / 100.0;
+    (ev.abs() <= FilmDescription::MOST_STOPS).then_some(ev)
 }
 
 /// Whether the exposure is part of the file.

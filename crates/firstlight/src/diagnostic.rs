@@ -1,10 +1,11 @@
 //! Warnings and errors with a place, a cause and a way out.
 
+use std::borrow::Cow;
 use std::fmt;
 
 /// What went wrong with an input or an output, where, and what helps.
 ///
-/// Displayed as `place: message`, then the source line it is about (if known) and a `help:` line.
+/// Displayed without control characters as `place: message`, then the source line it is about (if known) and a `help:` line.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Diagnostic {
     /// What is wrong, in one sentence without a full stop.
@@ -64,17 +65,33 @@ impl Diagnostic {
     }
 }
 
+/// Text from anywhere, fit for a terminal: control characters, which could steer it, are replaced by U+FFFD.
+pub fn visible(text: &str) -> Cow<'_, str> {
+    if text.contains(char::is_control) {
+        text.replace(char::is_control, "\u{fffd}").into()
+    } else {
+        text.into()
+    }
+}
+
+impl Place {
+    /// Whether it is a file, and no line or part of it.
+    pub(crate) fn is_whole_file(&self) -> bool {
+        self.line.is_none() && self.part.is_none()
+    }
+}
+
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.file)?;
+        f.write_str(&visible(&self.file))?;
         if let Some(line) = self.line {
             write!(f, ":{line}")?;
         }
         if let Some(column) = self.column {
             write!(f, ":{column}")?;
         }
-        match &self.part {
-            Some(part) if self.file.is_empty() => f.write_str(part),
+        match self.part.as_deref().map(visible) {
+            Some(part) if self.file.is_empty() => f.write_str(&part),
             Some(part) => write!(f, ": {part}"),
             None => Ok(()),
         }
@@ -87,9 +104,9 @@ impl fmt::Display for Diagnostic {
         if !place.is_empty() {
             write!(f, "{place}: ")?;
         }
-        f.write_str(&self.message)?;
+        f.write_str(&visible(&self.message))?;
         if let (Some(line), Some(source)) = (self.place.line, &self.place.source) {
-            write!(f, "\n{line:>5} | {source}")?;
+            write!(f, "\n{line:>5} | {}", visible(source))?;
             if let Some(column) = self.place.column {
                 let (blank, mark) =
                     (" ".repeat(column.max(1) - 1), "^".repeat(self.place.length.max(1)));
@@ -97,10 +114,25 @@ impl fmt::Display for Diagnostic {
             }
         }
         if let Some(help) = &self.help {
-            write!(f, "\n help: {help}")?;
+            write!(f, "\n help: {}", visible(help))?;
         }
         Ok(())
     }
 }
 
 impl std::error::Error for Diagnostic {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_steers_the_terminal() {
+        let hostile = "a\u{1b}[2J\u{9b}31m\r\n\u{7}\u{7f}b";
+        let mut error = Diagnostic::new(hostile, hostile).at_line(3).at_part(hostile).help(hostile);
+        error.place.source = Some(hostile.into());
+        let shown = error.to_string();
+        assert!(!shown.replace('\n', "").contains(char::is_control), "{shown:?}");
+        assert_eq!((shown.lines().count(), shown.matches("a\u{fffd}[2J").count()), (3, 5));
+    }
+}

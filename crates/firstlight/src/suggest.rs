@@ -1,5 +1,7 @@
 //! "Did you mean": the known word nearest to what was typed.
 
+use crate::diagnostic;
+
 /// Longer words are not compared: nobody mistypes them, and the comparison costs their product.
 const LONGEST_WORD: usize = 64;
 
@@ -38,8 +40,8 @@ pub(crate) fn quoted(text: &str) -> String {
 /// Text from a file, fit for a message: control characters replaced, long text cut.
 pub(crate) fn visible(text: &str) -> String {
     const LONGEST: usize = 80;
-    let shown = |c: char| if c.is_control() { '\u{fffd}' } else { c };
-    let mut visible: String = text.chars().take(LONGEST).map(shown).collect();
+    let start: String = text.chars().take(LONGEST).collect();
+    let mut visible = diagnostic::visible(&start).into_owned();
     if text.chars().nth(LONGEST).is_some() {
         visible.push('…');
     }

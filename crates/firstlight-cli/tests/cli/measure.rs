@@ -70,9 +70,13 @@ fn the_order_is_that_of_the_command_line() {
 }
 
 #[test]
-fn no_rows_give_an_empty_list() {
-    let found = readings(Folder::new().run_with("measure scene.toml --json", b"# nothing\n"));
-    assert!(found.is_empty());
+fn no_rows_are_an_error() {
+    for rows in ["", "# nothing\n"] {
+        for line in ["measure scene.toml --json", "measure scene.toml --irradiance -"] {
+            let ran = Folder::new().run_with(line, rows.as_bytes());
+            ran.fails(2, &["error: standard input: no points given"]);
+        }
+    }
 }
 
 #[test]

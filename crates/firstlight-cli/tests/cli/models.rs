@@ -64,7 +64,54 @@ fn up_and_unit_reach_a_model_of_any_name() {
     let folder = folder();
     let mut command = folder.command("render --up z --unit cm -r 8x8 -q -o a.png");
     assert!(command.arg("my model.obj").status().unwrap().success());
-    folder.run("render m.obj --unit parsec").fails(2, &["unit of length", "parsec"]);
+    let ran = folder.run("render m.obj --unit parsec");
+    ran.fails(2, &["error: --unit parsec: needs a unit of length", "not \"parsec\""]);
+    assert!(!ran.stderr.contains("models"), "{}", ran.stderr);
+    folder.run("render m.obj --unit -3").fails(2, &["error: --unit -3: must be greater than 0"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_to_a_model_elsewhere_is_read() {
+    let (folder, other) = (folder(), folder());
+    other.write("m.obj", &format!("mtllib m.mtl\n{MODEL}"));
+    other.write("m.mtl", "newmtl a\n");
+    std::os::unix::fs::symlink(other.path("m.obj"), folder.path("link.obj")).unwrap();
+    let ran = folder.run("check link.obj --strict").done();
+    assert!(ran.text().starts_with("link.obj: 1 surface, 4 triangles"), "{}", ran.text());
+    other.write("m.obj", "f 1 2 3\n");
+    let ran = folder.run("check link.obj");
+    ran.fails(2, &["link.obj:1: vertex 1 does not exist"]);
+    assert!(!ran.stderr.contains("models"), "{}", ran.stderr);
+}
+
+#[test]
+fn a_file_that_is_no_model_is_told_where_it_is_named() {
+    let folder = folder();
+    for (file, words) in [(".", "folder"), ("", "folder"), ("scene.toml", "no model file")] {
+        folder.write("a.toml", &format!("[models.m]\nfile = \"{file}\"\n"));
+        let ran = folder.run("check a.toml");
+        ran.fails(2, &["error: a.toml:2:8: models.m.file: ", words, "2 | file = "]);
+    }
+}
+
+#[test]
+fn a_model_without_triangles_is_refused() {
+    let folder = folder();
+    folder.write(
+        "none.gltf",
+        r#"{ "asset": { "version": "2.0" }, "nodes": [{}], "scenes": [{ "nodes": [0] }] }"#,
+    );
+    for command in ["render", "check", "info"] {
+        let ran = folder.run(&format!("{command} none.gltf"));
+        ran.fails(2, &["error: none.gltf: no triangles in this file"]);
+    }
+    folder.write("a.toml", "[models.m]\nfile = \"none.gltf\"\n");
+    let ran = folder.run("check a.toml");
+    ran.fails(0, &["warning: a.toml:2:8: models.m.file names a model without triangles"]);
+    folder.write("flat.obj", "v 0 0 0\nv 1 0 0\nv nan 0 0\nf 1 2 2\nf 1 2 3\n");
+    let reason = "all 2 faces are without area or not finite, first here";
+    folder.run("check flat.obj").fails(2, &["flat.obj:4: no triangles in this file", reason]);
 }
 
 #[test]

@@ -145,6 +145,15 @@ fn the_background_can_be_transparent() {
 }
 
 #[test]
+fn a_format_without_alpha_is_told() {
+    let folder = Folder::new();
+    for (name, words) in [("a.hdr", 1), ("a.pfm", 1), ("a.exr", 0), ("a.png", 0)] {
+        let ran = folder.run(&format!("render scene.toml --transparent -o {name}")).done();
+        assert_eq!(ran.stderr.matches("this format has no alpha").count(), words, "{name}");
+    }
+}
+
+#[test]
 fn the_picture_tells_how_it_was_made() {
     let folder = Folder::new();
     folder.run("render scene.toml --seed 9 -o a.png").done();
@@ -184,7 +193,12 @@ fn a_black_picture_never_comes_without_a_word() {
 fn a_blown_out_picture_comes_with_a_hint() {
     let folder = Folder::new();
     let ran = folder.run("render scene.toml -D lights.lamp.point.power=100kW");
-    ran.fails(0, &["% of the picture is brighter than white", "help: try --exposure auto"]);
+    ran.fails(0, &["% of the picture is brighter than white", "help: try --exposure -"]);
+    // What it suggests is the end of it.
+    let (_, suggested) = ran.stderr.split_once("help: try --exposure ").unwrap();
+    let ev = suggested.split_whitespace().next().unwrap();
+    let line = "render scene.toml --strict -D lights.lamp.point.power=100kW --exposure";
+    folder.run(&format!("{line} {ev}")).done();
 }
 
 #[test]

@@ -46,6 +46,8 @@ fn check_draws_nothing() {
     assert_eq!(folder.names(), ["scene.toml"]);
     folder.write("dark.toml", "[surfaces.ball]\nsphere = {}\n");
     folder.run("check dark.toml").fails(0, &["warning: there are no lights"]);
+    folder.write("empty.toml", "");
+    folder.run("check empty.toml").fails(0, &["warning: the scene has no surfaces"]);
     let strict = folder.run("check dark.toml --strict --json");
     strict.fails(3, &["warning: there are no lights"]);
     assert_eq!(strict.json()["warnings"].as_array().unwrap().len(), 1);

@@ -15,7 +15,7 @@ fn bad_numbers_are_refused() {
         ("--spp 9223372036854775808", "--spp"),
         ("-t 0", "not in 1..=1024"),
         ("-t 1000000000", "not in 1..=1024"),
-        ("--seed -1", "--seed"),
+        ("--seed -1", "must be a whole number from 0 to"),
         ("--crop 0,0,0,1", "four whole numbers"),
         ("--exposure nan", "must be from"),
         ("--exposure bright", "needs a number; or auto"),
@@ -48,6 +48,30 @@ fn the_output_is_checked_before_rendering() {
         let ran = folder.run(&format!("render scene.toml --spp 16777216 -o {output}"));
         ran.fails(2, &[&format!("error: {output}: "), words]);
     }
+}
+
+#[test]
+fn no_input_is_overwritten() {
+    let folder = Folder::new();
+    folder.run("render scene.toml -q -r 4x4 -o sky.png").done();
+    std::fs::copy(folder.path("sky.png"), folder.path("far.png")).unwrap();
+    folder.write("m.obj", "mtllib m.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n");
+    folder.write("m.mtl", "newmtl a\nmap_Kd sky.png\n");
+    let models = "[models.m]\nfile = \"m.obj\"\n";
+    let floor = "[materials.a.lambert]\nreflectance = { image = { file = \"far.png\" } }\n";
+    folder.write("far.toml", &format!("{SCENE}{models}{floor}"));
+    // So many samples that the test would never end if it were not checked before.
+    let render = "render far.toml --spp 16777216 --format png";
+    for output in ["", "-o sky.png", "-o ./far.png", "-o far.toml", "-o m.mtl", "-o m.obj"] {
+        let ran = folder.run(&format!("{render} {output}"));
+        ran.fails(2, &["the picture would overwrite this file", "help: name another file with -o"]);
+    }
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("sky.png", folder.path("link.png")).unwrap();
+        folder.run(&format!("{render} -o link.png")).fails(2, &["link.png: the picture would"]);
+    }
+    folder.run("render far.toml -q -r 4x4 -o new.png").done();
 }
 
 #[cfg(target_os = "linux")]
@@ -99,6 +123,25 @@ fn a_file_without_end_is_not_read() {
     folder.run("render /dev/zero").fails(2, &["/dev/zero: this is a device or a pipe"]);
     std::os::unix::fs::symlink("/dev/zero", folder.path("zero.toml")).unwrap();
     folder.run("check zero.toml").fails(2, &["this is a device or a pipe"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn no_file_steers_the_terminal() {
+    let folder = Folder::new();
+    let name = "\u{1b}[2Jred\u{7}.toml";
+    folder.write(name, SCENE);
+    for line in ["check", "info", "render -r 4x4", "render -r 4x4 -o \u{1b}[1m.png"] {
+        let output = folder.command(line).arg(name).output().unwrap();
+        assert!(output.status.success(), "{line:?}");
+        let said = String::from_utf8([output.stdout, output.stderr].concat()).unwrap();
+        assert!(said.contains("\u{fffd}["), "{said:?}");
+        assert!(!said.replace('\n', "").contains(char::is_control), "{said:?}");
+    }
+    folder.write(name, "film.samples = \"\u{9b}31m\"\n");
+    let ran = folder.command("check").arg(name).output().unwrap();
+    let said = String::from_utf8(ran.stderr).unwrap();
+    assert!(!said.replace('\n', "").contains(char::is_control), "{said:?}");
 }
 
 #[test]

@@ -1,7 +1,9 @@
 //! Which files a scene may open, and how much it may unpack.
 
 use crate::diagnostic::{Diagnostic, Result};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// How much memory a decoder may ask for.
 #[derive(Debug, Clone, Copy)]
@@ -18,19 +20,32 @@ impl Default for Limits {
 }
 
 /// Opens files on behalf of a scene or model: only inside its own folder, unless more is allowed.
+///
+/// It remembers what it opened, together with its clones and what comes of [`FileAccess::within`].
 #[derive(Debug, Clone)]
 pub struct FileAccess {
     folder: PathBuf,
+    /// The folder of the file itself, if the scene is a link to a file elsewhere.
+    target: Option<PathBuf>,
     allowed: Vec<PathBuf>,
+    opened: Arc<Mutex<BTreeSet<PathBuf>>>,
     /// Limits for what is decoded.
     pub limits: Limits,
 }
 
 impl FileAccess {
-    /// Access for the scene or model file `path`: its folder, and the folders in `allowed`.
+    /// Access for the scene or model file `path`: its folder, and the folders in `allowed`. If `path` is a link,
+    /// also the folder of the file that it leads to: who names the link means that file.
     pub fn beside(path: &Path, allowed: &[PathBuf]) -> Self {
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        Self { folder: folder.to_owned(), allowed: allowed.to_vec(), limits: Limits::default() }
+        let target = path.is_symlink().then(|| path.canonicalize().ok()).flatten();
+        Self {
+            folder: folder.to_owned(),
+            target: target.map(|target| folder_of(&target)),
+            allowed: allowed.to_vec(),
+            opened: Arc::default(),
+            limits: Limits::default(),
+        }
     }
 
     /// The same permissions for a file in another folder that was itself allowed.
@@ -39,7 +54,28 @@ impl FileAccess {
         let mut inner = Self::beside(path, &self.allowed);
         inner.allowed.push(self.folder.clone());
         inner.limits = self.limits;
+        inner.opened = Arc::clone(&self.opened);
         inner
+    }
+
+    /// The real paths (links followed) of all files that were opened so far.
+    pub fn opened(&self) -> BTreeSet<PathBuf> {
+        self.opened.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Remembers that the file with this real path is opened.
+    fn remember(&self, real: PathBuf) {
+        self.opened.lock().unwrap_or_else(PoisonError::into_inner).insert(real);
+    }
+
+    /// The bytes of the scene file itself, which the user named.
+    ///
+    /// # Errors
+    /// If it is no regular file or cannot be read.
+    pub(crate) fn read_named(&self, path: &Path) -> Result<Vec<u8>> {
+        let bytes = read_file(path)?;
+        path.canonicalize().into_iter().for_each(|real| self.remember(real));
+        Ok(bytes)
     }
 
     /// The real path of `name`, relative to the scene's folder, if it may be opened.
@@ -47,15 +83,20 @@ impl FileAccess {
     /// # Errors
     /// If the name is a network address, the file does not exist, or (links followed) lies elsewhere.
     pub fn resolve(&self, name: &str) -> Result<PathBuf> {
+        if name.get(..7).is_some_and(|start| start.eq_ignore_ascii_case("file://")) {
+            let error = Diagnostic::new(name, "local file URLs are not opened");
+            return Err(Box::new(error.help("write the path, such as pictures/wood.png")));
+        }
         if name.contains("://") || name.starts_with("\\\\") || name.starts_with("//") {
             let error = Diagnostic::new(name, "network addresses are not opened");
             return Err(Box::new(error.help("download the file and place it beside the scene")));
         }
-        let path = self.folder.join(name);
+        let path = self.find(name);
         let real = path.canonicalize().map_err(|e| Diagnostic::new(shown(&path), cause(&e)))?;
-        let roots = std::iter::once(&self.folder).chain(&self.allowed);
+        let roots = std::iter::once(&self.folder).chain(&self.target).chain(&self.allowed);
         let inside = roots.filter_map(|r| r.canonicalize().ok()).any(|root| real.starts_with(root));
         if inside {
+            self.remember(real);
             return Ok(path);
         }
         let error =
@@ -63,6 +104,13 @@ impl FileAccess {
         Err(Box::new(
             error.help(format!("allow it with --allow-path {}", shown(&folder_of(&real)))),
         ))
+    }
+
+    /// `name` in the scene's folder or, if it is not there, beside the file that the scene is a link to.
+    fn find(&self, name: &str) -> PathBuf {
+        let path = self.folder.join(name);
+        let beside_target = self.target.as_ref().map(|target| target.join(name));
+        beside_target.filter(|other| !path.exists() && other.exists()).unwrap_or(path)
     }
 
     /// The bytes of `name`, under the rules of [`FileAccess::resolve`].
@@ -113,4 +161,54 @@ pub(crate) fn cause(error: &std::io::Error) -> String {
 
 fn folder_of(path: &Path) -> PathBuf {
     path.parent().unwrap_or(path).to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_opened_is_remembered() {
+        let folder = tempfile::tempdir().unwrap();
+        let real = folder.path().canonicalize().unwrap();
+        std::fs::create_dir(real.join("sub")).unwrap();
+        for name in ["scene.toml", "sub/m.obj", "sub/m.mtl", "unused.png"] {
+            std::fs::write(real.join(name), name).unwrap();
+        }
+        let scene = real.join("scene.toml");
+        let access = FileAccess::beside(&scene, &[]);
+        access.read_named(&scene).unwrap();
+        let model = access.resolve("sub/m.obj").unwrap();
+        access.within(&model).read("m.mtl").unwrap();
+        let expected = ["scene.toml", "sub/m.mtl", "sub/m.obj"].map(|name| real.join(name));
+        assert!(access.opened().into_iter().eq(expected), "{:?}", access.opened());
+    }
+
+    #[test]
+    fn addresses_are_not_opened() {
+        let access = FileAccess::beside(Path::new("scene.toml"), &[]);
+        let complaint = |name: &str| access.resolve(name).unwrap_err().to_string();
+        assert!(complaint("https://example.org/a.png").contains("network addresses"));
+        assert!(complaint("File:///a.png").contains("local file URLs are not opened"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_reaches_what_lies_beside_its_target() {
+        let (here, there) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        for (folder, name) in
+            [(&there, "m.obj"), (&there, "a.mtl"), (&there, "b.mtl"), (&here, "b.mtl")]
+        {
+            std::fs::write(folder.path().join(name), "").unwrap();
+        }
+        let link = here.path().join("link.obj");
+        std::os::unix::fs::symlink(there.path().join("m.obj"), &link).unwrap();
+        let access = FileAccess::beside(&link, &[]);
+        assert_eq!(access.resolve("link.obj").unwrap(), link);
+        assert_eq!(access.resolve("b.mtl").unwrap(), here.path().join("b.mtl"));
+        let there = there.path().canonicalize().unwrap();
+        assert_eq!(access.resolve("a.mtl").unwrap(), there.join("a.mtl"));
+        let other = FileAccess::beside(&here.path().join("scene.toml"), &[]);
+        assert!(other.resolve("link.obj").is_err());
+    }
 }

@@ -1,6 +1,6 @@
 //! Any file that holds a scene.
 
-use super::access::{check_file, read_file, shown};
+use super::access::{check_file, shown};
 use super::scene_file::{self, Override};
 use super::{FileAccess, Warnings};
 use crate::diagnostic::{Diagnostic, Result};
@@ -22,12 +22,12 @@ pub fn load(
 ) -> Result<SceneDescription> {
     let name = shown(path);
     if is_scene_file(path) {
-        let text = scene_file::text(read_file(path)?, &name)?;
+        let text = scene_file::text(access.read_named(path)?, &name)?;
         return scene_file::read(&text, &name, overrides, access, warnings);
     }
     check_file(path)?;
     let text = scene_around(path).ok_or_else(|| no_file(path))?;
-    scene_file::read(&text, &name, overrides, access, warnings)
+    scene_file::read_around(&text, &name, overrides, access, warnings)
 }
 
 /// Whether `path` names a scene file, by its extension `.toml`; anything else is taken for a model.
@@ -35,13 +35,15 @@ pub fn is_scene_file(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }
 
-/// What sets `key` (`up`, `unit`, …) of the model that [`load`] reads from `path`.
+/// What sets `key` (`up`, `unit`, …) of the model that [`load`] reads from `path`. In complaints it is called
+/// `--key value`, as on the command line.
 ///
 /// # Errors
 /// If the path names no file.
 pub fn model_override(path: &Path, key: &str, value: &str) -> Result<Override> {
     let name = path.file_stem().and_then(quoted_key).ok_or_else(|| no_file(path))?;
-    format!("models.{name}.{key}={value}").parse()
+    let set: Override = format!("models.{name}.{key}={value}").parse()?;
+    Ok(set.called(format!("--{key} {value}")))
 }
 
 fn no_file(path: &Path) -> Box<Diagnostic> {

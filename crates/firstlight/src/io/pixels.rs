@@ -91,7 +91,7 @@ impl Input<'_> {
             let message = format!(
                 "this picture of {width} × {height} pixels would unpack to {size}; the limit is {limit}"
             );
-            self.fail(message).help("use a smaller picture, or raise the limit").into()
+            self.fail(message).help("use a smaller picture").into()
         })
     }
 

@@ -191,7 +191,7 @@ impl<'a> Solids<'a> {
 
     fn finish(mut self, warnings: &mut Warnings) -> Result<SceneDescription> {
         self.end(String::new());
-        self.triangulator.warn(warnings);
+        self.triangulator.finish(self.scene.surfaces.is_empty(), warnings)?;
         self.joined.warn(warnings, |count| {
             format!("{} after the first {MOST_SOLIDS} joined into one", counted(count, "solid"))
         });

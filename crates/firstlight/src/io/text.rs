@@ -1,7 +1,7 @@
 //! Lines, words, numbers and counted complaints: what the readers of model files share.
 
 use super::Warnings;
-use crate::diagnostic::{Diagnostic, Place};
+use crate::diagnostic::{self, Diagnostic, Place};
 
 /// What was read, or the cause why not in words; the caller knows the place.
 pub(super) type Parsed<T> = Result<T, String>;
@@ -200,6 +200,16 @@ impl Tally {
     /// Counts one more, on `line` of the file `name`, if there is something `wrong`.
     pub(super) fn add_line_if(&mut self, wrong: bool, name: &str, line: &Line<'_>) {
         self.add_if(wrong, || line.place(name));
+    }
+
+    /// One error for all, at the first place, if there were any.
+    pub(super) fn refuse(self, message: impl FnOnce(usize) -> String) -> diagnostic::Result<()> {
+        if self.count == 0 {
+            return Ok(());
+        }
+        let first = if self.count > 1 { ", first here" } else { "" };
+        let message = message(self.count) + first;
+        Err(Box::new(Diagnostic { message, place: self.first, help: None }))
     }
 
     /// One warning for all, at the first place, if there were any.

@@ -51,9 +51,20 @@ impl Triangulator {
         &self.triangles
     }
 
-    /// Says how many polygons were left out or may be wrong.
-    pub(super) fn warn(&mut self, warnings: &mut Warnings) {
-        std::mem::take(&mut self.dropped).warn(warnings, |count| {
+    /// Says how many polygons were left out or may be wrong; `empty`: whether the file has no triangles at all.
+    ///
+    /// # Errors
+    /// If it has none because all polygons were left out.
+    pub(super) fn finish(&mut self, empty: bool, warnings: &mut Warnings) -> Result<()> {
+        let dropped = std::mem::take(&mut self.dropped);
+        if empty {
+            return dropped.refuse(|count| {
+                let which =
+                    if count == 1 { "the only face is" } else { &format!("all {count} faces are") };
+                format!("no triangles in this file: {which} without area or not finite")
+            });
+        }
+        dropped.warn(warnings, |count| {
             let faces = counted(count, "face");
             format!("{faces} without area or with corners that are not finite left out")
         });
@@ -61,6 +72,7 @@ impl Triangulator {
             let faces = counted(count, "face");
             format!("{faces} with so many corners that they were split as if convex")
         });
+        Ok(())
     }
 
     /// A fan from the first or second corner if that stays inside (so for every simple quad), else ears.
@@ -274,7 +286,7 @@ mod tests {
         let mut triangulator = Triangulator { ear_work: MOST_EAR_WORK, ..Triangulator::default() };
         assert_eq!(triangulator.split(&letter(), Place::default).len(), 4);
         let mut warnings = Warnings::new();
-        triangulator.warn(&mut warnings);
+        triangulator.finish(false, &mut warnings).unwrap();
         assert!(warnings[0].message.starts_with("1 face with so many corners"), "{warnings:?}");
     }
 
@@ -292,8 +304,30 @@ mod tests {
         let tiny = [Vec3::ZERO, Vec3::X * 1e-30, Vec3::Y * 1e-30];
         assert_eq!(triangulator.split(&tiny, Place::default), [[0, 1, 2]]);
         let mut warnings = Warnings::new();
-        triangulator.warn(&mut warnings);
+        triangulator.finish(false, &mut warnings).unwrap();
         assert!(warnings[0].message.starts_with("4 faces without area"), "{warnings:?}");
+    }
+
+    #[test]
+    fn where_all_polygons_are_left_out_the_error_says_so() {
+        let refused = |polygons: usize| {
+            let mut triangulator = Triangulator::default();
+            for number in 0..polygons {
+                let place = || Place { line: Some(4 + number), ..Place::default() };
+                assert!(triangulator.split(&[Vec3::NAN; 3], place).is_empty());
+            }
+            triangulator.finish(true, &mut Warnings::new()).map_err(|error| error.to_string())
+        };
+        let reason = "without area or not finite";
+        assert_eq!(refused(0), Ok(()));
+        assert_eq!(
+            refused(1),
+            Err(format!(":4: no triangles in this file: the only face is {reason}"))
+        );
+        assert_eq!(
+            refused(3),
+            Err(format!(":4: no triangles in this file: all 3 faces are {reason}, first here"))
+        );
     }
 
     #[test]

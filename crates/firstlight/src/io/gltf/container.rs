@@ -19,7 +19,7 @@ pub(super) struct Contents<'a> {
 /// Splits a GLB into its chunks; anything else is taken as a JSON document.
 ///
 /// # Errors
-/// If a GLB's header or a chunk's length is not what the bytes are.
+/// If a file named `.glb` is something else, or a GLB's header or a chunk's length is not what the bytes are.
 pub(super) fn split<'a>(bytes: &'a [u8], name: &str) -> Result<Contents<'a>> {
     if bytes.starts_with(MAGIC) {
         return glb(bytes, name);
@@ -27,6 +27,10 @@ pub(super) fn split<'a>(bytes: &'a [u8], name: &str) -> Result<Contents<'a>> {
     let json = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     if json.iter().all(u8::is_ascii_whitespace) {
         return Err(Box::new(Diagnostic::new(name, "this file is empty")));
+    }
+    if name.to_ascii_lowercase().ends_with(".glb") && !json.trim_ascii_start().starts_with(b"{") {
+        let cause = "this is no GLB: it does not begin with the letters glTF";
+        return Err(error(name, "byte 0", cause));
     }
     Ok(Contents { json, binary: None })
 }
@@ -116,6 +120,13 @@ mod tests {
         let contents = split(b"\xef\xbb\xbf{}", "m.gltf").unwrap();
         assert_eq!(contents, Contents { json: b"{}", binary: None });
         assert_eq!(complaint(b"\n "), "m.glb: this file is empty");
+    }
+
+    #[test]
+    fn another_file_is_no_glb() {
+        assert!(complaint(b"GLTF\x02\0\0\0").starts_with("m.glb: byte 0: this is no GLB"));
+        assert!(split(b" {}", "m.GLB").is_ok());
+        assert!(split(b"GLTF", "m.gltf").is_ok());
     }
 
     #[test]

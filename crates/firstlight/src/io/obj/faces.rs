@@ -83,7 +83,7 @@ impl<'a> Faces<'a> {
         }
         faces.vertices.normals.extend(faces.made.sums.iter().map(|&sum| unit_normal(sum)));
         faces.made = MadeNormals::default();
-        faces.triangulator.warn(warnings);
+        faces.triangulator.finish(faces.parts.is_empty(), warnings)?;
         std::mem::take(&mut faces.tallies).warn(warnings);
         Ok(faces)
     }

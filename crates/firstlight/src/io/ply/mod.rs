@@ -73,7 +73,7 @@ fn read_body<V: Values>(
         }
     }
     values.warn(warnings);
-    faces.triangulator.warn(warnings);
+    faces.triangulator.finish(faces.mesh.triangles.is_empty(), warnings)?;
     let mut mesh = without_unused(faces.finish()?, name)?;
     fill_normals(&mut mesh, name, warnings);
     Ok(mesh)

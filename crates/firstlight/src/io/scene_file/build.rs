@@ -6,7 +6,7 @@ use super::material::{MaterialKeys, Pictures};
 use super::surface::{NewShape, SurfaceKeys};
 use super::{InstanceKeys, ModelKeys, SceneKeys, transform};
 use crate::color::Rgb;
-use crate::diagnostic::Result;
+use crate::diagnostic::{Diagnostic, Result};
 use crate::io::model::{self, Format, UpAxis, upright};
 use crate::io::{FileAccess, Warnings};
 use crate::scene::description::{
@@ -140,6 +140,7 @@ impl Builder<'_> {
         }
         let file = self.load(&keys.file, warnings)?;
         let Some((part, format)) = self.models.get(&file) else { return Ok(()) };
+        self.check_visible(part, &keys.file.span, warnings)?;
         let own = transform::compose(keys.transform.as_ref(), self.document)?;
         let stand = upright(keys.up.unwrap_or(format.up()), self.up);
         let scale = keys.unit.map_or(1.0, |unit| unit.0);
@@ -159,11 +160,35 @@ impl Builder<'_> {
         let real = path.canonicalize().unwrap_or_else(|_| path.clone());
         if !self.models.contains_key(&real) {
             let access = self.access.within(&path);
-            let (model, format) = model::read_with_format(&path, &access, warnings)?;
+            let read = model::read_with_format(&path, &access, warnings);
+            let (model, format) = self.placed_where_named(span, read)?;
             let part = self.scene.adopt(model);
             self.models.insert(real.clone(), (part, format));
         }
         Ok(real)
+    }
+
+    /// What was read, or the complaint about it: where the file is named, if it is about the whole file.
+    fn placed_where_named<T>(&self, span: &Span, read: Result<T>) -> Result<T> {
+        match read {
+            Err(error) if error.place.is_whole_file() => self.document.open(span, Err(error)),
+            other => other,
+        }
+    }
+
+    /// Says that nothing of a model will be seen; if it was to be the whole scene, that is an error.
+    fn check_visible(&self, part: &Part, span: &Span, warnings: &mut Warnings) -> Result<()> {
+        let seen = |surface: &Surface| self.scene.triangles_of(&surface.shape) > 0;
+        if part.surfaces.iter().any(seen) {
+            return Ok(());
+        }
+        let help = "its nodes show no mesh with triangles";
+        if self.document.generated {
+            let error = Diagnostic::new(self.document.name, "no triangles in this file");
+            return Err(Box::new(error.help(help)));
+        }
+        warnings.push(self.document.error(span, "names a model without triangles").help(help));
+        Ok(())
     }
 
     /// Repeats the surfaces of a surface or model, moved after their own transform.

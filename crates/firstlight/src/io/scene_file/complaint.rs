@@ -117,7 +117,8 @@ pub(super) fn reword(message: &str, path: &Path) -> (String, Option<String>) {
         return (format!("{path} needs settings for this choice"), Some(help));
     }
     if let Some((found, expected)) = expected(message) {
-        return plain(format!("{path} needs {expected}, not {}", describe(found)));
+        let verb = if expected.starts_with("a whole number") { "must be" } else { "needs" };
+        return plain(format!("{path} {verb} {expected}, not {}", describe(found)));
     }
     if message.starts_with("wanted exactly 1 element") {
         return (format!("{path} needs exactly one kind"), path.example());
@@ -157,6 +158,9 @@ fn expected(message: &str) -> Option<(&str, String)> {
         "a sequence" => "a list".to_owned(),
         "a string" => "text in quotation marks".to_owned(),
         "a boolean" => "true or false".to_owned(),
+        // A number that is whole is out of range.
+        "u64" if found.starts_with("integer ") => "a whole number from 0".to_owned(),
+        "u32" if found.starts_with("integer ") => format!("a whole number from 0 to {}", u32::MAX),
         "i64" | "u64" | "u32" => "a whole number".to_owned(),
         _ => match expected.strip_prefix("struct ") {
             Some(_) => "a table".to_owned(),
@@ -174,8 +178,12 @@ fn describe(found: &str) -> String {
         _ => match found.strip_prefix("string ") {
             Some(text) => format!("the text {}", quoted(text.trim_matches('"'))),
             None if found.bytes().all(|b| b.is_ascii_digit()) => format!("{found} values"),
-            None if found.starts_with("integer ") => found.replace(" as i128", "").replace('`', ""),
-            None => found.chars().filter(|c| *c != '`').take(80).collect(),
+            None => {
+                let kinds = ["integer ", "floating point ", "boolean "];
+                let value = kinds.iter().find_map(|kind| found.strip_prefix(kind));
+                let value = value.unwrap_or(found).replace(" as i128", "").replace('`', "");
+                value.chars().take(80).collect()
+            }
         },
     }
 }

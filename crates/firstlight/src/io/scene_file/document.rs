@@ -58,6 +58,8 @@ pub(super) struct Document<'a> {
     pub(super) name: &'a str,
     pub(super) text: &'a str,
     pub(super) overrides: &'a [Override],
+    /// The user did not write the text and must not see it.
+    pub(super) generated: bool,
 }
 
 impl<'a> Document<'a> {
@@ -67,6 +69,7 @@ impl<'a> Document<'a> {
             let span = error.span().unwrap_or_default();
             let path = self.path(&span);
             let (message, help) = complaint::reword(error.message(), &path);
+            let message = self.about(&span, &path, message);
             let help = help.or_else(|| self.meant(&span));
             Box::new(Diagnostic { message, place: self.place(&span), help })
         })
@@ -74,13 +77,17 @@ impl<'a> Document<'a> {
 
     /// A complaint about the value or key at `span`: its path, then `predicate` ("needs ...", "must ...").
     pub(super) fn error(&self, span: &Span, predicate: impl AsRef<str>) -> Box<Diagnostic> {
-        let message = format!("{} {}", self.path(span), predicate.as_ref());
+        let path = self.path(span);
+        let message = self.about(span, &path, format!("{path} {}", predicate.as_ref()));
         Box::new(Diagnostic { message, place: self.place(span), help: None })
     }
 
     /// A file's content, or the complaint about it where the file is named.
     pub(super) fn open<T>(&self, span: &Span, content: Result<T>) -> Result<T> {
         content.map_err(|mut error| {
+            if self.hides(span) {
+                return error;
+            }
             error.message = format!("{}: {}: {}", self.path(span), error.place, error.message);
             error.place = self.place(span);
             error
@@ -117,8 +124,21 @@ impl<'a> Document<'a> {
     fn place(&self, span: &Span) -> Place {
         match self.overriding(span) {
             Some(over) => over.place(),
+            None if self.generated => Place { file: self.name.into(), ..Place::default() },
             None => place_in_text(self.name, self.text, span),
         }
+    }
+
+    /// The message without the path that it starts with, where the user wrote no path.
+    fn about(&self, span: &Span, path: &Path, message: String) -> String {
+        let written = !self.hides(span) && !self.overriding(span).is_some_and(Override::is_called);
+        let rest = message.strip_prefix(&format!("{path} ")).filter(|_| !written);
+        rest.map(str::to_owned).unwrap_or(message)
+    }
+
+    /// Whether `span` lies where the user wrote nothing.
+    pub(super) fn hides(&self, span: &Span) -> bool {
+        self.generated && self.overriding(span).is_none()
     }
 
     /// The override that `span` lies in, if it is beyond the text.

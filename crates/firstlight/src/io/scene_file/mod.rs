@@ -64,14 +64,32 @@ pub fn read(
     access: &FileAccess,
     warnings: &mut Warnings,
 ) -> Result<SceneDescription> {
-    let (needed, limit) = (memory(text) >> 20, access.limits.decoded_bytes >> 20);
+    read_document(&Document { name, text, overrides, generated: false }, access, warnings)
+}
+
+/// As [`read`], of a text that was made for the model `name`: what is wrong with it is told without the text.
+pub(super) fn read_around(
+    text: &str,
+    name: &str,
+    overrides: &[Override],
+    access: &FileAccess,
+    warnings: &mut Warnings,
+) -> Result<SceneDescription> {
+    read_document(&Document { name, text, overrides, generated: true }, access, warnings)
+}
+
+fn read_document(
+    document: &Document<'_>,
+    access: &FileAccess,
+    warnings: &mut Warnings,
+) -> Result<SceneDescription> {
+    let (needed, limit) = (memory(document.text) >> 20, access.limits.decoded_bytes >> 20);
     if needed > limit {
         let message = format!("this text may take {needed} MiB to read; {limit} MiB are allowed");
-        let error = Diagnostic::new(name, message);
-        return Err(Box::new(error.help("keep large meshes in model files, or raise the limit")));
+        let error = Diagnostic::new(document.name, message);
+        return Err(Box::new(error.help("keep large meshes in model files")));
     }
-    let document = Document { name, text, overrides };
-    build::build(document.read()?, &document, access, warnings)
+    build::build(document.read()?, document, access, warnings)
 }
 
 /// The text of a scene file from its bytes, without a byte order mark.

@@ -6,12 +6,12 @@ use serde_spanned::Spanned;
 use std::borrow::Cow;
 use std::ops::Range;
 use std::str::FromStr;
-use toml::de::{DeTable, DeValue};
+use toml::de::{DeArray, DeTable, DeValue};
 
 /// A value laid over a scene: `lights.key.point.power=60 W`, `film.samples=64`, `camera.perspective.fov=30`.
 ///
 /// The value is TOML; what is not TOML is taken as text, so that units and colours need no quotation marks.
-/// It replaces what is there, and a number in the path picks an element of a list.
+/// It replaces what is there, and a number in the path picks an element of a list; 0 starts one.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Override {
     pub(super) text: String,
@@ -19,6 +19,8 @@ pub struct Override {
     keys: Vec<(String, Range<usize>)>,
     /// Where the value stands in `text`, without blanks around it.
     value: Range<usize>,
+    /// What the user wrote instead, if it was not `-D`.
+    called: Option<String>,
 }
 
 impl FromStr for Override {
@@ -36,11 +38,22 @@ impl FromStr for Override {
         let after = &text[equals + 1..];
         let start = equals + 1 + (after.len() - after.trim_start().len());
         let value = start..start + after.trim().len();
-        Ok(Self { text: text.to_owned(), keys, value })
+        Ok(Self { text: text.to_owned(), keys, value, called: None })
     }
 }
 
 impl Override {
+    /// The same, but complaints call it `name`.
+    #[must_use]
+    pub fn called(self, name: impl Into<String>) -> Self {
+        Self { called: Some(name.into()), ..self }
+    }
+
+    /// Whether the user wrote something else than a path and a value.
+    pub(super) fn is_called(&self) -> bool {
+        self.called.is_some()
+    }
+
     /// The keys that lead to the value: `film`, `samples`.
     pub fn path(&self) -> impl Iterator<Item = &str> {
         self.keys.iter().map(|(key, _)| key.as_str())
@@ -80,13 +93,16 @@ impl Override {
             return Ok(());
         };
         let span = span.start + offset..span.end + offset;
-        let empty = || Spanned::new(span.clone(), DeValue::Table(DeTable::new()));
+        let empty = || Spanned::new(span.clone(), self.empty(keys));
         let inner = match slot.get_mut() {
             DeValue::Table(table) => table
                 .entry(Spanned::new(span.clone(), Cow::Borrowed(key.as_str())))
                 .or_insert_with(empty),
             DeValue::Array(list) => {
                 let length = list.len();
+                if length == 0 && key == "0" {
+                    list.push(empty());
+                }
                 let element = key.parse().ok().and_then(|index: usize| list.get_mut(index));
                 element.ok_or_else(|| {
                     let key = quoted(key);
@@ -98,6 +114,18 @@ impl Override {
         self.set(inner, rest, offset)
     }
 
+    /// What is made for the first of `keys` if there is nothing: a list for the number after it, else a table.
+    /// A number after the scene's own keys is the name of a thing: `lights.0`.
+    fn empty(&self, keys: &[(String, Range<usize>)]) -> DeValue<'static> {
+        let below_root = keys.len() < self.keys.len();
+        let number = keys.get(1).is_some_and(|(next, _)| next.parse::<usize>().is_ok());
+        if below_root && number {
+            DeValue::Array(DeArray::new())
+        } else {
+            DeValue::Table(DeTable::new())
+        }
+    }
+
     /// The value as TOML or, failing that, as text.
     fn value(&self) -> Spanned<DeValue<'_>> {
         let text = self.text.get(self.value.clone()).unwrap_or("");
@@ -107,7 +135,11 @@ impl Override {
 
     /// The override itself as the place of a complaint.
     pub(super) fn place(&self) -> Place {
-        Place { file: format!("-D {}", visible(&self.text)), ..Place::default() }
+        let file = match &self.called {
+            Some(name) => visible(name),
+            None => format!("-D {}", visible(&self.text)),
+        };
+        Place { file, ..Place::default() }
     }
 
     fn error(&self, message: String) -> Box<Diagnostic> {

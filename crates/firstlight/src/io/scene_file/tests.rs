@@ -38,7 +38,8 @@ fn the_examples_of_the_reference_are_scenes() {
         reference.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
     assert_eq!(examples.len(), 9);
     for example in &examples {
-        let document = Document { name: "example", text: example, overrides: &[] };
+        let document =
+            Document { name: "example", text: example, overrides: &[], generated: false };
         document.read::<SceneKeys>().unwrap_or_else(|error| panic!("{error}"));
         // The one with a model would need the model.
         if !example.contains("[models.") {
@@ -222,7 +223,7 @@ fn every_complaint_has_its_line_its_path_and_a_hint() {
     assert!(unquoted.ends_with("in quotation marks: \"60 W\""), "{unquoted}");
     assert_eq!(
         complaint("film.samples = 1.5"),
-        "scene.toml:1:16: film.samples needs a whole number, not floating point 1.5"
+        "scene.toml:1:16: film.samples must be a whole number, not 1.5"
     );
     assert_eq!(
         complaint("surfaces.a = { sphere = {}, transform = [{ scale = 1 }, { scale = 0 }] }"),
@@ -344,6 +345,9 @@ fn an_override_reaches_into_lists() {
     let scaled = scene_with(text, &["surfaces.a.transform.0.scale=3"]).unwrap();
     assert_eq!(scaled.surfaces[0].transform.transform_point3(DVec3::X), DVec3::X * 3.0);
     assert!(complaint_with(text, &["surfaces.a.transform.1.scale=3"]).contains("list of 1"));
+    assert!(
+        complaint_with(text, &["film.seed=-1"]).contains("must be a whole number from 0, not -1")
+    );
 }
 
 #[test]
