@@ -4,7 +4,6 @@ use super::text::quoted;
 use super::{FileAccess, Warnings, pixels};
 use crate::diagnostic::{Diagnostic, Place, Result};
 use crate::scene::description::{Pattern, Pixels, Sampling, Texels, Texture, UvTransform, Wrap};
-use glam::Vec2;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -34,7 +33,7 @@ impl<'a> Pictures<'a> {
         warnings: &mut Warnings,
     ) -> Texture {
         let Some(image) = self.number(file, place, warnings) else {
-            return stand_in();
+            return Texture::stand_in();
         };
         let wrap = [wrap, wrap];
         let sampling = Sampling::default();
@@ -83,11 +82,4 @@ impl<'a> Pictures<'a> {
         })?;
         pixels::decode(&bytes, file, &self.access.limits)
     }
-}
-
-/// What is shown where a picture is missing: eight squares of magenta and black along u and v.
-fn stand_in() -> Texture {
-    let colors = [[1.0, 0.0, 1.0, 1.0], [0.0, 0.0, 0.0, 1.0]];
-    let pattern = Pattern::Checker { colors, size: Vec2::splat(0.125) };
-    Texture { factor: [1.0; 4], pattern, vertex_colors: false }
 }

@@ -4,6 +4,7 @@ use super::access::shown;
 use super::{exr, hdr, pfm, png};
 use crate::Image;
 use crate::diagnostic::{Diagnostic, Result};
+use crate::suggest::nearest;
 use std::path::Path;
 
 /// A file format for pictures.
@@ -66,8 +67,7 @@ impl Format {
 }
 
 fn unknown_extension(path: &Path, extension: &str) -> Diagnostic {
-    let near =
-        Format::EXTENSIONS.into_iter().find(|e| strsim::damerau_levenshtein(e, extension) == 1);
+    let near = nearest(extension, Format::EXTENSIONS);
     let message = match (extension, near) {
         ("", _) => "the name of a picture needs an extension that says its format".to_owned(),
         (_, Some(near)) => {

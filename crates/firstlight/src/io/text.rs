@@ -2,6 +2,7 @@
 
 use super::Warnings;
 use crate::diagnostic::{self, Diagnostic, Place};
+use crate::suggest::nearest;
 
 /// What was read, or the cause why not in words; the caller knows the place.
 pub(super) type Parsed<T> = Result<T, String>;
@@ -143,14 +144,7 @@ pub(super) fn did_you_mean<'a>(
     word: &str,
     names: impl IntoIterator<Item = &'a str>,
 ) -> Option<String> {
-    let word: String = word.chars().take(64).collect();
-    let close = names
-        .into_iter()
-        .filter(|name| name.len() <= 64)
-        .take(10_000)
-        .map(|name| (strsim::damerau_levenshtein(&word, name), name));
-    let (distance, name) = close.min_by_key(|(distance, _)| *distance)?;
-    (distance <= 2 && distance < word.chars().count()).then(|| format!("did you mean \"{name}\"?"))
+    nearest(word, names.into_iter().take(10_000)).map(|name| format!("did you mean \"{name}\"?"))
 }
 
 /// `1 face`, `2 faces`.

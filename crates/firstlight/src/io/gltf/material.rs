@@ -197,7 +197,9 @@ impl Reader<'_, '_, '_> {
         let texture = data.at(&data.document.textures, info.index, "texture", &part)?;
         let part = format!("textures[{}]", info.index);
         let Some(image) = self.pictures.of_texture(data, texture, &part, self.notes)? else {
-            return Ok(stand_in(factor));
+            let [.., alpha] = factor;
+            let factor = [1.0, 1.0, 1.0, alpha];
+            return Ok(Texture { factor, ..Texture::stand_in() });
         };
         let (wrap, sampling) = match texture.sampler {
             Some(index) => {
@@ -231,13 +233,6 @@ impl Reader<'_, '_, '_> {
 fn sampling(sampler: &Sampler) -> Sampling {
     const NEAREST: u32 = 9728;
     if sampler.mag_filter == Some(NEAREST) { Sampling::Nearest } else { Sampling::Bilinear }
-}
-
-/// What is shown where a picture is missing: nothing that could be taken for intended.
-fn stand_in([.., alpha]: [f32; 4]) -> Texture {
-    let colors = [[1.0, 0.0, 1.0, 1.0], [0.0, 0.0, 0.0, 1.0]];
-    let pattern = Pattern::Checker { colors, size: Vec2::splat(0.125) };
-    Texture { factor: [1.0, 1.0, 1.0, alpha], pattern, vertex_colors: false }
 }
 
 /// KHR_texture_transform for coordinates whose v points up.

@@ -73,6 +73,15 @@ impl Texture {
     }
 }
 
+impl Texture {
+    /// What is shown where a picture is missing: eight squares of magenta and black along u and v.
+    pub fn stand_in() -> Self {
+        let colors = [[1.0, 0.0, 1.0, 1.0], [0.0, 0.0, 0.0, 1.0]];
+        let pattern = Pattern::Checker { colors, size: Vec2::splat(0.125) };
+        Self { factor: [1.0; 4], pattern, vertex_colors: false }
+    }
+}
+
 /// What varies over a surface, by its texture coordinates. v points up: (0, 0) is the picture's lower left.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Pattern {
