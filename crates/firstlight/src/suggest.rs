@@ -1,7 +1,5 @@
 //! "Did you mean": the known word nearest to what was typed.
 
-use crate::diagnostic;
-
 /// Longer words are not compared: nobody mistypes them, and the comparison costs their product.
 const LONGEST_WORD: usize = 64;
 
@@ -41,7 +39,7 @@ pub(crate) fn quoted(text: &str) -> String {
 pub(crate) fn visible(text: &str) -> String {
     const LONGEST: usize = 80;
     let start: String = text.chars().take(LONGEST).collect();
-    let mut visible = diagnostic::visible(&start).into_owned();
+    let mut visible = start.replace(char::is_control, "\u{fffd}");
     if text.chars().nth(LONGEST).is_some() {
         visible.push('…');
     }

@@ -106,7 +106,10 @@ impl Override {
                 let element = key.parse().ok().and_then(|index: usize| list.get_mut(index));
                 element.ok_or_else(|| {
                     let key = quoted(key);
-                    self.error(format!("{key} is no element of a list of {length}"))
+                    self.error(match length {
+                        0 => format!("there is no list yet to have an element {key}"),
+                        _ => format!("{key} is no element of a list of {length}"),
+                    })
                 })?
             }
             _ => return Err(self.error(format!("there is nothing inside to be {}", quoted(key)))),

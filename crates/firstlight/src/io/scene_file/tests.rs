@@ -345,6 +345,13 @@ fn an_override_reaches_into_lists() {
     let scaled = scene_with(text, &["surfaces.a.transform.0.scale=3"]).unwrap();
     assert_eq!(scaled.surfaces[0].transform.transform_point3(DVec3::X), DVec3::X * 3.0);
     assert!(complaint_with(text, &["surfaces.a.transform.1.scale=3"]).contains("list of 1"));
+    let text = "surfaces.a = { sphere = {} }";
+    let scaled = scene_with(text, &["surfaces.a.transform.0.scale=3"]).unwrap();
+    assert_eq!(scaled.surfaces[0].transform.transform_point3(DVec3::X), DVec3::X * 3.0);
+    let second = complaint_with(text, &["surfaces.a.transform.1.scale=3"]);
+    assert!(second.contains("there is no list yet to have an element \"1\""), "{second}");
+    assert!(scene_with("", &["surfaces.0.sphere={}"]).is_ok());
+    assert!(complaint_with("", &["film.resolution.0=300"]).contains("film.resolution needs"));
     assert!(
         complaint_with(text, &["film.seed=-1"]).contains("must be a whole number from 0, not -1")
     );
