@@ -22,8 +22,9 @@ impl SceneDescription {
                 .retain(|corners| corners.iter().all(|&i| is_near(&positions[i as usize])));
             positions.iter_mut().filter(|p| !is_near(p)).for_each(|p| *p = Vec3::ZERO);
             let lost = before - mesh.triangles.len();
-            let message =
-                format!("{lost} triangles left out: a corner is further than {FURTHEST:e} m away");
+            let message = format!(
+                "{lost} of {before} triangles left out: a corner is further than {FURTHEST:e} m away"
+            );
             complaints
                 .push(Diagnostic::new(file, message).at_part(format!("mesh \"{}\"", mesh.name)));
         }
