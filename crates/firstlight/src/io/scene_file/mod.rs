@@ -55,8 +55,8 @@ fn memory(text: &str) -> u64 {
 /// `overrides` are laid over the text, later ones over earlier ones. Models and pictures are opened through `access`.
 ///
 /// # Errors
-/// At the first thing that is wrong: more text than fits in `access.limits.decoded_bytes` when unpacked, syntax, an unknown or missing key, a value out of range, a name that nothing
-/// has, a file that cannot be read. The place is a line of the text, an override, or the file that failed.
+/// At the first thing that is wrong: more text than fits in `access.limits.decoded_bytes` when unpacked, syntax, an
+/// unknown or missing key, a value out of range, a name that nothing has, a file that cannot be read. The place is a line of the text, an override, or the file that failed.
 pub fn read(
     text: &str,
     name: &str,
