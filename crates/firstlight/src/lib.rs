@@ -60,7 +60,7 @@ pub mod units;
 
 pub use camera::Camera;
 pub use film::auto_exposure;
-pub use geometry::{Ray, solid_angle};
+pub use geometry::{Hit, Ray, solid_angle};
 pub use image::Image;
 pub use integrator::{Measurement, RayCounts};
 pub use io::{FileAccess, load};

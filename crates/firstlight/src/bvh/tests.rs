@@ -27,7 +27,7 @@ fn world(mesh: &Arc<Mesh>, transforms: &[DAffine3], instanced: bool) -> World {
 }
 
 fn closest(world: &World, rays: &[Ray]) -> Vec<Hit> {
-    let mut hits = vec![Hit::none(0.0); rays.len()];
+    let mut hits = Vec::new();
     world.closest_hits(rays, &Everything, &mut hits);
     hits
 }

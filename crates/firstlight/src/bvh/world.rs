@@ -137,15 +137,17 @@ impl World {
         Self { level, ..self }
     }
 
-    /// What each ray hits first, in its range. `hits` has the length of `rays`.
-    pub(crate) fn closest_hits(&self, rays: &[Ray], filter: &dyn HitFilter, hits: &mut [Hit]) {
+    /// What each ray hits first, in its range.
+    pub(crate) fn closest_hits(&self, rays: &[Ray], filter: &dyn HitFilter, hits: &mut Vec<Hit>) {
+        hits.clear();
+        hits.resize(rays.len(), Hit::none(0.0));
         self.search::<false>(rays, filter, hits);
         for hit in hits.iter_mut() {
             *hit = self.located(hit);
         }
     }
 
-    /// Whether each ray hits anything in its range. `occluded` has the length of `rays`.
+    /// Whether each ray hits anything in its range.
     pub(crate) fn occluded(&self, rays: &[Ray], filter: &dyn HitFilter, occluded: &mut Vec<bool>) {
         let mut hits = vec![Hit::none(0.0); rays.len()];
         self.search::<true>(rays, filter, &mut hits);

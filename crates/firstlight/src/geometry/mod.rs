@@ -7,6 +7,6 @@ pub(crate) mod triangle;
 
 pub(crate) use analytic::Analytic;
 pub(crate) use bounds::Bounds;
-pub(crate) use ray::Hit;
+pub use ray::Hit;
 pub use ray::Ray;
 pub use triangle::solid_angle;

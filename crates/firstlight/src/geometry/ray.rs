@@ -30,16 +30,16 @@ impl Ray {
 /// [`Hit::surface`] of a ray that hit nothing.
 pub(crate) const NOTHING: u32 = u32::MAX;
 
-/// Traversal's raw answer.
+/// What a ray hit: traversal's raw answer.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Hit {
-    /// Where along the ray.
+pub struct Hit {
+    /// Where along the ray; the end of its range if it hit nothing.
     pub t: f32,
     /// Weight of a triangle's second corner.
     pub u: f32,
     /// Weight of a triangle's third corner.
     pub v: f32,
-    /// Index of the surface, or [`NOTHING`].
+    /// Index of the surface in the description's list; no surface has the number `u32::MAX`.
     pub surface: u32,
     /// Triangle of a mesh, part of an analytic surface.
     pub primitive: u32,
@@ -53,7 +53,7 @@ impl Hit {
 
     /// Whether something was hit.
     #[inline(always)]
-    pub(crate) fn is_some(&self) -> bool {
+    pub fn is_some(&self) -> bool {
         self.surface != NOTHING
     }
 

@@ -124,8 +124,6 @@ impl<'a> Direct<'a> {
     #[inline(always)]
     fn closest_hits(&self, rays: &[Ray], scratch: &mut Scratch) {
         scratch.counts.camera += rays.len() as u64;
-        scratch.hits.clear();
-        scratch.hits.resize(rays.len(), Hit::none(0.0));
         self.scene.world.closest_hits(
             rays,
             &SeenByCamera(self.scene, self.repetition),

@@ -2,8 +2,8 @@
 
 use super::{Direct, Scratch};
 use crate::color::Rgb;
-use crate::geometry::Ray;
-use crate::scene::Scene;
+use crate::geometry::{Hit, Ray};
+use crate::scene::{Scene, SeenByCamera, StopsLight};
 
 impl Scene {
     /// Radiance that arrives along `ray` from the nearest surface between `t_min` (exclusive) and `t_max` (m), or
@@ -12,5 +12,16 @@ impl Scene {
         let mut scratch = Scratch::default();
         Direct::new(self, false).gather(&[Ray { t_min, t_max, ..*ray }], &mut scratch);
         scratch.samples[0].radiance
+    }
+
+    /// What each ray hits first, in its range, as a camera would see it. Rays that lie close to each other and in
+    /// order are answered fastest, in batches of thousands.
+    pub fn closest_hits(&self, rays: &[Ray], hits: &mut Vec<Hit>) {
+        self.world.closest_hits(rays, &SeenByCamera(self, 0), hits);
+    }
+
+    /// Whether each ray meets anything in its range that stops light.
+    pub fn occluded(&self, rays: &[Ray], occluded: &mut Vec<bool>) {
+        self.world.occluded(rays, &StopsLight(self, 0), occluded);
     }
 }

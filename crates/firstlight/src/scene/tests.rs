@@ -56,7 +56,7 @@ fn hit_somewhere(scene: &Scene, random: &mut Random) -> Option<(Ray, Hit)> {
     let camera = crate::Camera::new(&view, 64, 64);
     let ray = camera
         .ray(64.0 * glam::DVec2::new(random.unit(), random.unit()).as_vec2(), glam::Vec2::ZERO);
-    let mut hit = [Hit::none(0.0)];
+    let mut hit = Vec::new();
     scene.world.closest_hits(&[ray], &StopsLight(scene, 0), &mut hit);
     hit[0].is_some().then_some((ray, hit[0]))
 }
