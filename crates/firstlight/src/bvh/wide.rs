@@ -2,13 +2,12 @@
 
 use super::build::{Branch, Content, Item, Reference, Triangles, build};
 use crate::geometry::Bounds;
-use crate::kernels::{Child, Node, Tree, TriangleBlock};
+use crate::kernels::{Child, Node, Tree, TriangleBlock, Word};
 use crate::simd::LANES;
 
 /// Builds the tree over `references`.
 pub(super) fn tree(mut references: Vec<Reference>, triangles: Triangles) -> Tree {
-    let mut tree =
-        Tree { nodes: Vec::new(), blocks: Vec::new(), bounds: Bounds::EMPTY, reach: 0.0 };
+    let mut tree = Tree::empty();
     if references.is_empty() {
         return tree;
     }
@@ -54,17 +53,34 @@ fn emit_node(tree: &mut Tree, children: Vec<Branch>, triangles: Triangles) -> Ch
     Child::node(index)
 }
 
+/// Appends triangles as one block, or, if their vertices do not fit, as a node over several.
 fn emit_leaf(tree: &mut Tree, items: &[Item], triangles: Triangles) -> Child {
-    let mut block = TriangleBlock::empty();
-    for (lane, item) in items.iter().enumerate() {
-        match *item {
+    let mut blocks = vec![(TriangleBlock::starting_at(tree.words.len()), Bounds::EMPTY)];
+    for item in items {
+        let number = match *item {
             Item::Other(surface) => return Child::other(surface),
-            Item::Triangle(number) => {
-                let (corners, flags) = triangles(number);
-                block.set(lane, corners, number, flags);
-            }
+            Item::Triangle(number) => number,
+        };
+        let (corners, flags) = triangles(number);
+        let last = blocks.len() - 1;
+        if !blocks[last].0.add(corners) {
+            let mut block = TriangleBlock::starting_at(tree.words.len());
+            block.add(corners);
+            blocks.push((block, Bounds::EMPTY));
         }
+        let last = blocks.len() - 1;
+        blocks[last].1 = blocks[last].1.union(Bounds::around(corners));
+        tree.words.push(Word::new(number, flags));
     }
-    tree.blocks.push(block);
-    Child::block(tree.blocks.len() - 1)
+    let first = tree.blocks.len();
+    tree.blocks.extend(blocks.iter().map(|(block, _)| block.clone()));
+    if blocks.len() == 1 {
+        return Child::block(first);
+    }
+    let mut node = Node::empty();
+    for (slot, (_, bounds)) in blocks.iter().enumerate() {
+        node.set(slot, *bounds, Child::block(first + slot));
+    }
+    tree.nodes.push(node);
+    Child::node(tree.nodes.len() - 1)
 }

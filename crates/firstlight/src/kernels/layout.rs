@@ -8,10 +8,6 @@ use glam::Vec3;
 pub(crate) const ONE_SIDED: u32 = 1 << 31;
 /// Flag of a triangle whose material leaves holes.
 pub(crate) const PARTLY_THERE: u32 = 1 << 30;
-/// Word of an unused lane.
-const EMPTY: u32 = u32::MAX;
-/// Rows of a block: three corners of three coordinates.
-pub(super) const ROWS: usize = 9;
 /// The part of a triangle's word that is its number.
 const NUMBER: u32 = PARTLY_THERE - 1;
 
@@ -88,56 +84,117 @@ impl Node {
     }
 }
 
-/// Up to eight triangles, structure of arrays. Unused lanes have no area.
+/// Up to eight triangles that share up to eight vertices: two cache lines. Unused lanes have no area.
+///
+/// Vertices are told apart by their bits, so that triangles of different faces, meshes and files share them as well.
 #[derive(Debug, Clone)]
 #[repr(C, align(64))]
 pub(crate) struct TriangleBlock {
-    /// x, y, z of the first corners, then of the second and third.
-    pub corners: [[f32; LANES]; ROWS],
-    /// Number of each triangle in its tree, with flags.
-    words: [u32; LANES],
+    /// x, y, z of the vertices.
+    pub(super) vertices: [[f32; LANES]; 3],
+    /// Which vertices are the first, second and third corner of each triangle.
+    pub(super) corners: [[u8; LANES]; 3],
+    /// Index of the first triangle's word in [`Tree::words`].
+    first_word: u32,
+    triangles: u8,
+    used_vertices: u8,
 }
 
 impl TriangleBlock {
-    /// No triangles.
-    pub(crate) fn empty() -> Self {
-        Self { corners: [[0.0; LANES]; ROWS], words: [EMPTY; LANES] }
+    /// No triangles; the words of those to come start at `first_word`.
+    pub(crate) fn starting_at(first_word: usize) -> Self {
+        Self {
+            vertices: [[0.0; LANES]; 3],
+            corners: [[0; LANES]; 3],
+            first_word: first_word as u32,
+            triangles: 0,
+            used_vertices: 0,
+        }
     }
 
-    /// Fills lane `lane` with triangle `number`.
-    pub(crate) fn set(&mut self, lane: usize, corners: [Vec3; 3], number: u32, flags: u32) {
-        for (corner, p) in corners.into_iter().enumerate() {
-            for axis in 0..3 {
-                self.corners[3 * corner + axis][lane] = p[axis];
-            }
+    /// Adds a triangle, if there is room for it and those of its corners that are not here yet.
+    pub(crate) fn add(&mut self, corners: [Vec3; 3]) -> bool {
+        let lane = self.len();
+        let mut grown = self.clone();
+        for (row, corner) in grown.corners.iter_mut().zip(corners) {
+            let Some(vertex) = find_or_add(&mut grown.vertices, &mut grown.used_vertices, corner)
+            else {
+                return false;
+            };
+            let Some(slot) = row.get_mut(lane) else { return false };
+            *slot = vertex;
         }
-        self.words[lane] = number | flags;
+        grown.triangles += 1;
+        *self = grown;
+        true
+    }
+
+    /// Number of vertices.
+    #[inline(always)]
+    pub(super) fn vertex_count(&self) -> usize {
+        usize::from(self.used_vertices)
+    }
+
+    /// Number of triangles.
+    #[inline(always)]
+    pub(crate) fn len(&self) -> usize {
+        usize::from(self.triangles)
     }
 
     /// The corners of one triangle.
     #[inline(always)]
     pub(crate) fn triangle(&self, lane: usize) -> [Vec3; 3] {
-        let corner =
-            |c: usize| Vec3::from_array([0, 1, 2].map(|axis| self.corners[3 * c + axis][lane]));
-        [corner(0), corner(1), corner(2)]
+        [self.corner(0, lane), self.corner(1, lane), self.corner(2, lane)]
     }
 
-    /// Whether a lane and all after it are unused.
+    /// Which vertex a corner of a triangle is.
     #[inline(always)]
-    pub(super) fn is_empty(&self, lane: usize) -> bool {
-        self.words[lane] == EMPTY
+    pub(super) fn corner_vertex(&self, corner: usize, lane: usize) -> usize {
+        usize::from(self.corners[corner][lane]) % LANES
+    }
+
+    #[inline(always)]
+    fn corner(&self, corner: usize, lane: usize) -> Vec3 {
+        let vertex = self.corner_vertex(corner, lane);
+        Vec3::new(self.vertices[0][vertex], self.vertices[1][vertex], self.vertices[2][vertex])
+    }
+}
+
+/// The number of a vertex among the first `used`; a new one if there is room.
+fn find_or_add(vertices: &mut [[f32; LANES]; 3], used: &mut u8, p: Vec3) -> Option<u8> {
+    let bits = |v: usize| [0, 1, 2].map(|axis| vertices[axis][v].to_bits());
+    let equal = |&v: &u8| bits(usize::from(v)) == p.to_array().map(f32::to_bits);
+    if let Some(vertex) = (0..*used).find(equal) {
+        return Some(vertex);
+    }
+    let vertex = *used;
+    for (row, x) in vertices.iter_mut().zip(p.to_array()) {
+        *row.get_mut(usize::from(vertex))? = x;
+    }
+    *used += 1;
+    Some(vertex)
+}
+
+/// A triangle's number in its tree, with flags.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Word(u32);
+
+impl Word {
+    /// Triangle `number` with `flags`.
+    pub(crate) fn new(number: u32, flags: u32) -> Self {
+        Self(number | flags)
     }
 
     /// Its number in the tree.
     #[inline(always)]
-    pub(crate) fn number(&self, lane: usize) -> u32 {
-        self.words[lane] & NUMBER
+    pub(super) fn number(self) -> u32 {
+        self.0 & NUMBER
     }
 
     /// Its flags, [`ONE_SIDED`] and [`PARTLY_THERE`].
     #[inline(always)]
-    pub(crate) fn flags(&self, lane: usize) -> u32 {
-        self.words[lane] & !NUMBER
+    pub(super) fn flags(self) -> u32 {
+        self.0 & !NUMBER
     }
 }
 
@@ -148,6 +205,8 @@ pub(crate) struct Tree {
     pub nodes: Vec<Node>,
     /// All triangles.
     pub blocks: Vec<TriangleBlock>,
+    /// What the triangles are, block by block.
+    pub words: Vec<Word>,
     /// The box around everything.
     pub bounds: Bounds,
     /// The largest absolute coordinate of that box.
@@ -155,8 +214,27 @@ pub(crate) struct Tree {
 }
 
 impl Tree {
+    /// Nothing.
+    pub(crate) fn empty() -> Self {
+        Self {
+            nodes: Vec::new(),
+            blocks: Vec::new(),
+            words: Vec::new(),
+            bounds: Bounds::EMPTY,
+            reach: 0.0,
+        }
+    }
+
+    /// What the triangle in `lane` of a block is.
+    #[inline(always)]
+    pub(super) fn word(&self, block: &TriangleBlock, lane: usize) -> Word {
+        self.words[block.first_word as usize + lane]
+    }
+
     /// Bytes it takes.
     pub(crate) fn memory(&self) -> usize {
-        size_of_val(self.nodes.as_slice()) + size_of_val(self.blocks.as_slice())
+        size_of_val(self.nodes.as_slice())
+            + size_of_val(self.blocks.as_slice())
+            + size_of_val(self.words.as_slice())
     }
 }
