@@ -140,16 +140,16 @@ impl World {
     /// What each ray hits first, in its range.
     pub(crate) fn closest_hits(&self, rays: &[Ray], filter: &dyn HitFilter, hits: &mut Vec<Hit>) {
         hits.clear();
-        hits.resize(rays.len(), Hit::none(0.0));
+        hits.extend(rays.iter().map(|ray| Hit::none(ray.t_max)));
         self.search::<false>(rays, filter, hits);
-        for hit in hits.iter_mut() {
+        for hit in hits.iter_mut().filter(|hit| hit.surface == FLATTENED) {
             *hit = self.located(hit);
         }
     }
 
     /// Whether each ray hits anything in its range.
     pub(crate) fn occluded(&self, rays: &[Ray], filter: &dyn HitFilter, occluded: &mut Vec<bool>) {
-        let mut hits = vec![Hit::none(0.0); rays.len()];
+        let mut hits: Vec<_> = rays.iter().map(|ray| Hit::none(ray.t_max)).collect();
         self.search::<true>(rays, filter, &mut hits);
         occluded.clear();
         occluded.extend(hits.iter().map(Hit::is_some));
@@ -157,13 +157,13 @@ impl World {
 
     fn search<const ANY: bool>(&self, rays: &[Ray], filter: &dyn HitFilter, hits: &mut [Hit]) {
         let filter = Located { world: self, filter };
-        for (ray, hit) in rays.iter().zip(&mut *hits) {
-            *hit = Hit::none(ray.t_max);
-            for &surface in &self.endless {
+        for &surface in &self.endless {
+            for (ray, hit) in rays.iter().zip(&mut *hits) {
                 self.cross(ray, surface, &filter, hit);
             }
         }
-        search::<ANY>(self.level, &self.top, self, &filter, rays, hits);
+        let batch = (rays, hits, !self.endless.is_empty());
+        search::<ANY>(self.level, &self.top, self, &filter, batch);
     }
 
     /// Meets an analytic surface. Returns whether `hit` was replaced.

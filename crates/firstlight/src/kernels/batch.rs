@@ -7,17 +7,17 @@ use crate::geometry::{Hit, Ray};
 use crate::simd::{Kernel, LANES, Level, Simd};
 
 /// Answers each of `rays`: the closest hit, or (`ANY`) whether there is any, in which case only
-/// [`Hit::surface`] has a meaning. `hits` holds what is known already.
+/// [`Hit::surface`] has a meaning. `hits` holds the ends of the rays' ranges, or, if `known`, hits that there are
+/// already.
 pub(crate) fn search<const ANY: bool>(
     level: Level,
     tree: &Tree,
     others: &impl Others,
     filter: &dyn HitFilter,
-    rays: &[Ray],
-    hits: &mut [Hit],
+    (rays, hits, known): (&[Ray], &mut [Hit], bool),
 ) {
     if !tree.nodes.is_empty() {
-        level.run(Batch::<_, ANY> { tree, others, filter, rays, hits });
+        level.run(Batch::<_, ANY> { tree, others, filter, rays, hits, known });
     }
 }
 
@@ -27,6 +27,7 @@ struct Batch<'a, O, const ANY: bool> {
     filter: &'a dyn HitFilter,
     rays: &'a [Ray],
     hits: &'a mut [Hit],
+    known: bool,
 }
 
 impl<O: Others, const ANY: bool> Kernel for Batch<'_, O, ANY> {
@@ -35,12 +36,15 @@ impl<O: Others, const ANY: bool> Kernel for Batch<'_, O, ANY> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
         const RAYS: usize = GROUPS * LANES;
-        let Self { tree, others, filter, rays, hits } = self;
+        let Self { tree, others, filter, rays, hits, known } = self;
         let alone = Alone { simd, tree, others, filter, flags: filter.flags() };
         let mut stack = Stack::new();
         let mut tile = Tile::new(simd, filter, alone.flags);
         for (rays, hits) in rays.chunks(RAYS).zip(hits.chunks_mut(RAYS)) {
-            let groups = tile.load::<ANY>(tree, rays, hits);
+            let groups = tile.load(tree, rays);
+            if known {
+                tile.know::<ANY>(hits);
+            }
             let mut first = 0;
             while first < groups {
                 let together = tile.together_from(first);

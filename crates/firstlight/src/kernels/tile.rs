@@ -34,6 +34,12 @@ impl Row {
     const ZERO: Self = Self([0.0; LANES]);
 }
 
+/// Eight numbers to memory.
+#[inline(always)]
+fn row<F: Lanes>(x: F) -> Row {
+    Row(x.to_array())
+}
+
 /// Three rows. (Not a closure: those are compiled without the level's instructions.)
 #[inline(always)]
 fn load<S: Simd>(simd: S, rows: &[Row; 3]) -> [S::F; 3] {
@@ -69,24 +75,18 @@ struct Group {
 
 /// A number for each group, and one for the whole tile.
 #[derive(Clone, Copy)]
-struct PerGroup([Row; 2]);
+struct PerGroup {
+    groups: Row,
+    whole: f32,
+}
 
 impl PerGroup {
-    const ZERO: Self = Self([Row::ZERO; 2]);
+    const ZERO: Self = Self { groups: Row::ZERO, whole: 0.0 };
 
+    /// At the place of a group, or of the whole tile.
     #[inline(always)]
-    fn get(&self, place: usize) -> f32 {
-        self.0[place / LANES % 2].0[place % LANES]
-    }
-
-    #[inline(always)]
-    fn set(&mut self, place: usize, x: f32) {
-        self.0[place / LANES % 2].0[place % LANES] = x;
-    }
-
-    #[inline(always)]
-    fn groups(&self) -> &[f32; LANES] {
-        &self.0[0].0
+    fn at(&self, place: usize) -> f32 {
+        if place == WHOLE { self.whole } else { self.groups.0[place % GROUPS] }
     }
 }
 
@@ -123,34 +123,6 @@ impl EntryPlanes {
     }
 }
 
-/// Reciprocal directions and apexes along one axis.
-#[derive(Clone, Copy)]
-struct Interval {
-    scale: [f32; 2],
-    apex: [f32; 2],
-}
-
-impl Interval {
-    const EMPTY: Self = Self {
-        scale: [f32::INFINITY, f32::NEG_INFINITY],
-        apex: [f32::INFINITY, f32::NEG_INFINITY],
-    };
-
-    #[inline(always)]
-    fn of<F: Lanes>(scale: F, apex: F) -> Self {
-        Self {
-            scale: [scale.smallest(), scale.largest()],
-            apex: [apex.smallest(), apex.largest()],
-        }
-    }
-
-    #[inline(always)]
-    fn union(self, other: Self) -> Self {
-        let join = |a: [f32; 2], b: [f32; 2]| [a[0].min(b[0]), a[1].max(b[1])];
-        Self { scale: join(self.scale, other.scale), apex: join(self.apex, other.apex) }
-    }
-}
-
 impl Beams {
     const NONE: Self = Self {
         near_scale: [PerGroup::ZERO; 3],
@@ -161,33 +133,47 @@ impl Beams {
         entry: EntryPlanes { near: [0; 3], far: [0; 3] },
     };
 
-    /// Sets one axis of one place. Entries count from 0 on, so that the smallest slope and the apex next to the box
-    /// bound them; exits, the largest slope and the other apex.
+    /// Sets one axis for all groups from the smallest and largest reciprocals of directions and apexes. Entries count
+    /// from 0 on, so that the smallest slope and the apex next to the box bound them; exits, the largest slope and the
+    /// other apex.
     #[inline(always)]
-    fn set(&mut self, place: usize, axis: usize, interval: Interval, pad: f32) {
-        let Interval { scale: [slow, fast], apex: [lo, hi] } = interval;
-        let (near_scale, near, far_scale, far) = if slow > 0.0 {
-            (slow, hi + pad, fast, lo - pad)
+    fn set<S: Simd>(&mut self, simd: S, axis: usize, scale: [S::F; 2], apex: [S::F; 2], pad: f32) {
+        let pad = simd.splat(pad);
+        let [slow, fast] = scale;
+        let [lo, hi] = [apex[0] - pad, apex[1] + pad];
+        let backward = self.entry.near[axis] >= 3;
+        let [near_scale, far_scale] = if backward { [fast, slow] } else { [slow, fast] };
+        let [near, far] = if backward { [lo, hi] } else { [hi, lo] };
+        let (near_whole, far_whole) = if backward {
+            (near_scale.largest(), far_scale.smallest())
         } else {
-            (fast, lo - pad, slow, hi + pad)
+            (near_scale.smallest(), far_scale.largest())
         };
-        self.near_scale[axis].set(place, near_scale);
-        self.near[axis].set(place, -near * near_scale);
-        self.far_scale[axis].set(place, far_scale);
-        self.far[axis].set(place, -far * far_scale);
+        let (near_apex, far_apex) = if backward {
+            (near.smallest(), far.largest())
+        } else {
+            (near.largest(), far.smallest())
+        };
+        let zero = simd.splat(0.0);
+        self.near_scale[axis] = PerGroup { groups: row(near_scale), whole: near_whole };
+        self.near[axis] =
+            PerGroup { groups: row(zero - near * near_scale), whole: -near_apex * near_whole };
+        self.far_scale[axis] = PerGroup { groups: row(far_scale), whole: far_whole };
+        self.far[axis] =
+            PerGroup { groups: row(zero - far * far_scale), whole: -far_apex * far_whole };
     }
 
     /// Which of a node's boxes the beam at `place` may meet, and not before where.
     #[inline(always)]
     fn meet_node<S: Simd>(&self, simd: S, place: usize, node: &Node) -> (u32, S::F) {
-        let (mut enter, mut leave) = (simd.splat(0.0), simd.splat(self.t.get(place)));
+        let (mut enter, mut leave) = (simd.splat(0.0), simd.splat(self.t.at(place)));
         for axis in 0..3 {
             let near = simd.load(&node.planes[self.entry.near[axis] % 6]);
             let far = simd.load(&node.planes[self.entry.far[axis] % 6]);
-            let near_scale = simd.splat(self.near_scale[axis].get(place));
-            let far_scale = simd.splat(self.far_scale[axis].get(place));
-            enter = enter.max(near.mul_add(near_scale, simd.splat(self.near[axis].get(place))));
-            leave = leave.min(far.mul_add(far_scale, simd.splat(self.far[axis].get(place))));
+            let near_scale = simd.splat(self.near_scale[axis].at(place));
+            let far_scale = simd.splat(self.far_scale[axis].at(place));
+            enter = enter.max(near.mul_add(near_scale, simd.splat(self.near[axis].at(place))));
+            leave = leave.min(far.mul_add(far_scale, simd.splat(self.far[axis].at(place))));
         }
         (enter.le(leave).bits(), enter)
     }
@@ -195,16 +181,28 @@ impl Beams {
     /// Which groups may meet one box of a node.
     #[inline(always)]
     fn meet_box<S: Simd>(&self, simd: S, node: &Node, slot: usize) -> u32 {
-        let (mut enter, mut leave) = (simd.splat(0.0), simd.load(self.t.groups()));
+        let (mut enter, mut leave) = (simd.splat(0.0), simd.load(&self.t.groups.0));
         for axis in 0..3 {
             let near = simd.splat(node.planes[self.entry.near[axis] % 6][slot]);
             let far = simd.splat(node.planes[self.entry.far[axis] % 6][slot]);
-            let near_scale = simd.load(self.near_scale[axis].groups());
-            let far_scale = simd.load(self.far_scale[axis].groups());
-            enter = enter.max(near.mul_add(near_scale, simd.load(self.near[axis].groups())));
-            leave = leave.min(far.mul_add(far_scale, simd.load(self.far[axis].groups())));
+            let near_scale = simd.load(&self.near_scale[axis].groups.0);
+            let far_scale = simd.load(&self.far_scale[axis].groups.0);
+            enter = enter.max(near.mul_add(near_scale, simd.load(&self.near[axis].groups.0)));
+            leave = leave.min(far.mul_add(far_scale, simd.load(&self.far[axis].groups.0)));
         }
         enter.le(leave).bits()
+    }
+}
+
+/// The axis along which all rays go furthest, the first of equals, from the absolute values of their directions.
+#[inline(always)]
+fn largest_axis<F: Lanes>([x, y, z]: [F; 3]) -> Option<usize> {
+    const ALL: u32 = (1 << LANES) - 1;
+    match ((y.le(x) & z.le(x)).bits(), z.le(y).bits()) {
+        (ALL, _) => Some(0),
+        (0, ALL) => Some(1),
+        (0, 0) => Some(2),
+        _ => None,
     }
 }
 
@@ -225,49 +223,31 @@ impl Group {
 
     /// Takes up eight rays.
     #[inline(always)]
-    fn load<S: Simd, const ANY: bool>(
-        &mut self,
-        simd: S,
-        reach: f32,
-        rays: &[Ray; LANES],
-        hits: &[Hit; LANES],
-    ) {
-        let mut octant = 0;
-        let mut agree = true;
-        for axis in 0..3 {
-            for i in 0..LANES {
-                self.origin[axis].0[i] = rays[i].origin[axis];
-                self.direction[axis].0[i] = rays[i].direction[axis];
-            }
-            let signs = simd.load(&self.direction[axis].0).signs();
-            agree &= signs == 0 || signs == (1 << LANES) - 1;
-            octant |= (signs & 1) << axis;
+    fn load<S: Simd>(&mut self, simd: S, reach: f32, rays: &[Ray; LANES]) {
+        let mut rows = [simd.splat(0.0); LANES];
+        for (row, ray) in rows.iter_mut().zip(rays) {
+            let (o, d) = (ray.origin, ray.direction);
+            *row = simd.load(&[o.x, o.y, o.z, d.x, d.y, d.z, ray.t_min, ray.t_max]);
         }
-        let largest = self.largest_axis(simd);
-        self.octant = if agree && largest.is_some() { Some(octant) } else { None };
-        self.axes = axes(largest.unwrap_or(0));
-        if self.octant.is_some() {
+        let [ox, oy, oz, dx, dy, dz, t_min, t_max] = simd.transpose(rows);
+        self.origin = [row(ox), row(oy), row(oz)];
+        self.direction = [row(dx), row(dy), row(dz)];
+        (self.t_min, self.t) = (row(t_min), row(t_max));
+        let signs = [dx.signs(), dy.signs(), dz.signs()];
+        let agree = signs.iter().all(|&signs| signs == 0 || signs == (1 << LANES) - 1);
+        let largest = largest_axis([dx.abs(), dy.abs(), dz.abs()]).filter(|_| agree);
+        self.octant = largest.map(|_| signs[0] & 1 | signs[1] & 2 | signs[2] & 4);
+        if let Some(largest) = largest {
+            self.axes = axes(largest);
             self.prepare(simd, reach);
-        }
-        for i in 0..LANES {
-            self.t_min.0[i] = rays[i].t_min;
-            let answered = ANY && hits[i].is_some();
-            self.t.0[i] = if answered { f32::NEG_INFINITY } else { hits[i].t };
         }
     }
 
-    /// The axis along which all rays go furthest, the first of equals.
+    /// Leaves out rays that have their answer, and looks no further than known hits.
     #[inline(always)]
-    fn largest_axis<S: Simd>(&self, simd: S) -> Option<usize> {
-        const ALL: u32 = (1 << LANES) - 1;
-        let x = simd.load(&self.direction[0].0).abs();
-        let y = simd.load(&self.direction[1].0).abs();
-        let z = simd.load(&self.direction[2].0).abs();
-        match ((y.le(x) & z.le(x)).bits(), z.le(y).bits()) {
-            (ALL, _) => Some(0),
-            (0, ALL) => Some(1),
-            (0, 0) => Some(2),
-            _ => None,
+    fn know<const ANY: bool>(&mut self, hits: &[Hit; LANES]) {
+        for (t, hit) in self.t.0.iter_mut().zip(hits) {
+            *t = if ANY && hit.is_some() { f32::NEG_INFINITY } else { hit.t };
         }
     }
 
@@ -282,14 +262,14 @@ impl Group {
             let (o, d) = (simd.load(&self.origin[axis].0), simd.load(&self.direction[axis].0));
             let scale = one / d.abs().max(simd.splat(SMALLEST)).copysign(d);
             let pad = pad.copysign(scale);
-            self.scale[axis] = Row(scale.to_array());
-            self.near[axis] = Row((zero - (o + pad) * scale).to_array());
-            self.far[axis] = Row((zero - (o - pad) * scale).to_array());
+            self.scale[axis] = row(scale);
+            self.near[axis] = row(zero - (o + pad) * scale);
+            self.far[axis] = row(zero - (o - pad) * scale);
         }
         let z = simd.load(&self.direction[self.axes[2] % 3].0);
         for i in 0..2 {
             let across = simd.load(&self.direction[self.axes[i] % 3].0);
-            self.shear[i] = Row((across / z).to_array());
+            self.shear[i] = row(across / z);
         }
     }
 
@@ -402,19 +382,21 @@ impl<'a, S: Simd> Tile<'a, S> {
 
     /// Takes up the full groups of eight among `rays`; returns how many there are.
     #[inline(always)]
-    pub(super) fn load<const ANY: bool>(
-        &mut self,
-        tree: &Tree,
-        rays: &[Ray],
-        hits: &[Hit],
-    ) -> usize {
-        self.count = 0;
-        let (rays, hits) = (rays.as_chunks().0, hits.as_chunks().0);
-        for (rays, hits) in rays.iter().zip(hits) {
-            self.groups[self.count % GROUPS].load::<S, ANY>(self.simd, tree.reach, rays, hits);
-            self.count += 1;
+    pub(super) fn load(&mut self, tree: &Tree, rays: &[Ray]) -> usize {
+        let groups = rays.as_chunks().0;
+        for (group, rays) in self.groups.iter_mut().zip(groups) {
+            group.load(self.simd, tree.reach, rays);
         }
+        self.count = groups.len().min(GROUPS);
         self.count
+    }
+
+    /// Takes over hits that are known.
+    #[inline(always)]
+    pub(super) fn know<const ANY: bool>(&mut self, hits: &[Hit]) {
+        for (group, hits) in self.groups.iter_mut().zip(hits.as_chunks().0) {
+            group.know::<ANY>(hits);
+        }
     }
 
     /// How many groups, from number `first` on, can go together; 0 if not even the rays of the first can.
@@ -444,9 +426,8 @@ impl<'a, S: Simd> Tile<'a, S> {
         while self.len > 0 {
             self.len -= 1;
             let entry = self.stack[self.len % STACK];
-            let reach = self.simd.load(self.beams.t.groups());
-            let groups =
-                u32::from(entry.groups) & self.simd.splat(entry.near).le(reach).bits();
+            let reach = self.simd.load(&self.beams.t.groups.0);
+            let groups = u32::from(entry.groups) & self.simd.splat(entry.near).le(reach).bits();
             let node = &walk.tree.nodes[entry.node as usize];
             let slot = usize::from(entry.slot) % LANES;
             match node.children[slot].target() {
@@ -483,11 +464,7 @@ impl<'a, S: Simd> Tile<'a, S> {
                 }
                 Target::Block(index) => {
                     let block = &walk.tree.blocks[index];
-                    if (lanes.count_ones() as usize) < block.len() {
-                        self.each_ray::<O, ANY>(g, lanes, child, walk)
-                    } else {
-                        self.each_triangle::<O, ANY>(g, lanes, block, walk)
-                    }
+                    self.each_triangle::<O, ANY>(g, lanes, block, walk)
                 }
                 Target::Node(_) | Target::Other(_) => {
                     self.each_ray::<O, ANY>(g, lanes, child, walk)
@@ -519,15 +496,8 @@ impl<'a, S: Simd> Tile<'a, S> {
                 (group.slabs_of(self.simd, lane, self.entry), group.shear_of(self.simd, lane));
             let start = (walk.tree, child);
             let stack = &mut self.single;
-            if search.walk_from::<O, ANY>(
-                start,
-                ray,
-                &prepared,
-                FLATTENED,
-                walk.others,
-                hit,
-                stack,
-            ) {
+            if search.walk_from::<O, ANY>(start, ray, &prepared, FLATTENED, walk.others, hit, stack)
+            {
                 group.t.0[lane] = if ANY { f32::NEG_INFINITY } else { hit.t };
                 changed = true;
             }
@@ -585,49 +555,55 @@ impl<'a, S: Simd> Tile<'a, S> {
         let t = plane_distances(simd, origin, direction, block.triangle(triangle));
         let (t_min, t_max) = (simd.load(&group.t_min.0), simd.load(&group.t.0));
         let word = walk.tree.word(block, triangle);
-        let clear = if word.flags() & self.flags == 0 {
-            (t_min.lt(t) & t.lt(t_max)).bits() & crossed
-        } else {
-            0
-        };
-        // Out of range for certain: beyond the end, or not beyond the start; not so where t is not a number.
-        let out = (t.le(t_min).bits() | t_max.lt(t).bits()) & t.abs().lt(simd.splat(f32::INFINITY)).bits();
-        let (mut unclear, mut taken) = (crossed & !clear & !out, clear);
+        // Where t is not a number, or equals that of the hit there is, the scalar test decides.
+        let nearer = t_min.lt(t) & t.lt(t_max);
+        let out = (t.le(t_min).bits() | t_max.lt(t).bits())
+            & t.abs().lt(simd.splat(f32::INFINITY)).bits();
+        let asked = word.flags() & self.flags != 0;
+        let clear = if asked { 0 } else { nearer.bits() & crossed };
+        let reach = if ANY { simd.splat(f32::NEG_INFINITY) } else { t };
+        group.t = row(reach.select(simd.mask(clear), t_max));
         let scale = simd.splat(1.0) / (weights[0] + weights[1] + weights[2]);
-        let (t, u, v) =
-            (t.to_array(), (weights[1] * scale).to_array(), (weights[2] * scale).to_array());
+        let (u, v) = ((weights[1] * scale).to_array(), (weights[2] * scale).to_array());
+        let (t, surface, primitive) = (t.to_array(), FLATTENED, word.number());
         let mut rest = clear;
         while rest != 0 {
             let lane = rest.trailing_zeros() as usize % LANES;
             rest &= rest - 1;
-            walk.hits[LANES * g + lane] = Hit {
-                t: t[lane],
-                u: u[lane],
-                v: v[lane],
-                surface: FLATTENED,
-                primitive: word.number(),
-            };
+            let hit = Hit { t: t[lane], u: u[lane], v: v[lane], surface, primitive };
+            walk.hits[LANES * g + lane] = hit;
         }
-        if unclear != 0 {
-            let weights = [weights[0].to_array(), weights[1].to_array(), weights[2].to_array()];
-            while unclear != 0 {
-                let lane = unclear.trailing_zeros() as usize % LANES;
-                unclear &= unclear - 1;
-                let (ray, hit) = (&walk.rays[LANES * g + lane], &mut walk.hits[LANES * g + lane]);
-                let search = Search { simd, ray, filter: self.filter, flags: self.flags };
-                let weights = [weights[0][lane], weights[1][lane], weights[2][lane]];
-                let triangle = (walk.tree, block, triangle);
-                taken |= u32::from(accept(&search, ray, triangle, weights, FLATTENED, hit)) << lane;
+        let unclear = crossed & !clear & !out;
+        let tried =
+            unclear != 0 && self.try_each::<O, ANY>(g, unclear, (block, triangle), weights, walk);
+        clear != 0 || tried
+    }
+
+    /// As [`Tile::take`], ray by ray.
+    #[inline(always)]
+    fn try_each<O, const ANY: bool>(
+        &mut self,
+        g: usize,
+        mut rays: u32,
+        (block, triangle): (&TriangleBlock, usize),
+        weights: [S::F; 3],
+        walk: &mut Walk<O>,
+    ) -> bool {
+        let weights = [weights[0].to_array(), weights[1].to_array(), weights[2].to_array()];
+        let mut taken = false;
+        while rays != 0 {
+            let lane = rays.trailing_zeros() as usize % LANES;
+            rays &= rays - 1;
+            let (ray, hit) = (&walk.rays[LANES * g + lane], &mut walk.hits[LANES * g + lane]);
+            let search = Search { simd: self.simd, ray, filter: self.filter, flags: self.flags };
+            let weights = [weights[0][lane], weights[1][lane], weights[2][lane]];
+            let triangle = (walk.tree, block, triangle);
+            if accept(&search, ray, triangle, weights, FLATTENED, hit) {
+                self.groups[g].t.0[lane] = if ANY { f32::NEG_INFINITY } else { hit.t };
+                taken = true;
             }
         }
-        let mut rest = taken;
-        while rest != 0 {
-            let lane = rest.trailing_zeros() as usize % LANES;
-            rest &= rest - 1;
-            let hit = &walk.hits[LANES * g + lane];
-            group.t.0[lane] = if ANY { f32::NEG_INFINITY } else { hit.t };
-        }
-        taken != 0
+        taken
     }
 
     /// Puts the boxes of a node that any of `groups` may meet onto the stack, the nearest on top.
@@ -680,30 +656,33 @@ impl<'a, S: Simd> Tile<'a, S> {
         }
         let pad = 4.0 * PAD * (magnitude + reach);
         for axis in 0..3 {
-            let mut whole = Interval::EMPTY;
-            for g in range.clone() {
-                let interval = self.interval(g % GROUPS, axis, ends.is_some());
-                self.beams.set(g % GROUPS, axis, interval, pad);
-                whole = whole.union(interval);
-            }
-            self.beams.set(WHOLE, axis, whole, pad);
+            let [scale, apex] = self.rows(range, axis, ends.is_some());
+            let (scale, apex) = (extremes(self.simd, scale), extremes(self.simd, apex));
+            self.beams.set(self.simd, axis, scale, apex, pad);
         }
-        self.beams.t = PerGroup([Row([f32::NEG_INFINITY; LANES]); 2]);
+        let mut reach = Row([f32::NEG_INFINITY; LANES]);
         for g in range.clone() {
-            self.update_reach(g % GROUPS);
+            reach.0[g % GROUPS] = self.simd.load(&self.groups[g % GROUPS].t.0).largest();
         }
+        self.beams.t = PerGroup { groups: reach, whole: self.simd.load(&reach.0).largest() };
     }
 
-    /// The interval of a group along one axis, seen from the ends of its rays if `reversed`.
+    /// Reciprocal directions and apexes of all groups along one axis, seen from the ends of the rays if `reversed`;
+    /// groups outside `range` count as its first.
     #[inline(always)]
-    fn interval(&self, g: usize, axis: usize, reversed: bool) -> Interval {
-        let (simd, group) = (self.simd, &self.groups[g]);
-        let scale = simd.load(&group.scale[axis].0);
-        if reversed {
-            Interval::of(simd.splat(0.0) - scale, group.end(simd, axis))
-        } else {
-            Interval::of(scale, simd.load(&group.origin[axis].0))
+    fn rows(&self, range: &Range<usize>, axis: usize, reversed: bool) -> [[S::F; GROUPS]; 2] {
+        let simd = self.simd;
+        let zero = simd.splat(0.0);
+        let (mut scales, mut apexes) = ([zero; GROUPS], [zero; GROUPS]);
+        for (g, (scale, apex)) in scales.iter_mut().zip(&mut apexes).enumerate() {
+            let group = &self.groups[if range.contains(&g) { g } else { range.start } % GROUPS];
+            *scale = simd.load(&group.scale[axis].0);
+            *apex = simd.load(&group.origin[axis].0);
+            if reversed {
+                (*scale, *apex) = (zero - *scale, group.end(simd, axis));
+            }
         }
+        [scales, apexes]
     }
 
     /// The largest coordinate of the rays' ends, if these lie closer together than the origins.
@@ -735,9 +714,20 @@ impl<'a, S: Simd> Tile<'a, S> {
     /// Notes how far a group still looks.
     #[inline(always)]
     fn update_reach(&mut self, g: usize) {
-        let reach = self.simd.load(&self.groups[g].t.0).largest();
-        self.beams.t.set(g, reach);
-        let whole = self.simd.load(self.beams.t.groups()).largest();
-        self.beams.t.set(WHOLE, whole);
+        let simd = self.simd;
+        let reach = simd.splat(simd.load(&self.groups[g].t.0).largest());
+        let groups = reach.select(simd.mask(1 << g), simd.load(&self.beams.t.groups.0));
+        self.beams.t = PerGroup { groups: row(groups), whole: groups.largest() };
     }
+}
+
+/// The smallest and the largest of each row, as lanes.
+#[inline(always)]
+fn extremes<S: Simd>(simd: S, rows: [S::F; LANES]) -> [S::F; 2] {
+    let columns = simd.transpose(rows);
+    let (mut lo, mut hi) = (columns[0], columns[0]);
+    for column in columns {
+        (lo, hi) = (lo.min(column), hi.max(column));
+    }
+    [lo, hi]
 }

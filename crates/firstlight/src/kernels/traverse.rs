@@ -135,9 +135,7 @@ impl<S: Simd> Search<'_, S> {
         let mut next = Some(start);
         while let Some(child) = next {
             next = match child.target() {
-                Target::Node(index) => {
-                    slabs.enter::<ANY>(&tree.nodes[index], hit.t, stack, base)
-                }
+                Target::Node(index) => slabs.enter::<ANY>(&tree.nodes[index], hit.t, stack, base),
                 Target::Block(index) => {
                     let block = &tree.blocks[index];
                     found |= self.meet(tree, block, ray, shear, surface, hit);

@@ -47,10 +47,7 @@ impl<S: Simd> Shear<S> {
     #[inline(always)]
     pub(super) fn apply(&self, x: S::F, y: S::F, z: S::F) -> (S::F, S::F) {
         let z = z - self.origin[2];
-        (
-            x - self.origin[0] - self.shear[0] * z,
-            y - self.origin[1] - self.shear[1] * z,
-        )
+        (x - self.origin[0] - self.shear[0] * z, y - self.origin[1] - self.shear[1] * z)
     }
 
     /// One ray: which triangles of a block its line crosses, and the weights of their corners (not normalised).

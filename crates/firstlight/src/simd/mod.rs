@@ -20,7 +20,9 @@ pub(crate) const LANES: usize = 8;
 /// A level's instructions. Holding a value proves that the processor has them.
 pub(crate) trait Simd: Copy {
     /// Eight floats.
-    type F: Lanes<D = Self::D>;
+    type F: Lanes<D = Self::D, Mask = Self::M>;
+    /// Eight truth values.
+    type M: Mask;
     /// Four doubles.
     type D: Doubles;
 
@@ -33,17 +35,16 @@ pub(crate) trait Simd: Copy {
     /// Eight numbers from memory.
     fn load(self, x: &[f32; LANES]) -> Self::F;
 
-    /// Asks for the cache lines of `x`, which is needed soon.
-    fn prefetch<T>(self, x: &T);
+    /// Bit `i` as lane `i`.
+    fn mask(self, bits: u32) -> Self::M;
+
+    /// Rows become columns.
+    fn transpose(self, rows: [Self::F; LANES]) -> [Self::F; LANES];
 }
 
 /// Eight floats.
 pub(crate) trait Lanes:
-    Copy
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
     /// Eight truth values.
     type Mask: Mask;
@@ -60,6 +61,8 @@ pub(crate) trait Lanes:
     fn abs(self) -> Self;
     /// With the sign of `sign`.
     fn copysign(self, sign: Self) -> Self;
+    /// `self` where `mask` holds, else `other`.
+    fn select(self, mask: Self::Mask, other: Self) -> Self;
     /// `self <= other`; false for NaN.
     fn le(self, other: Self) -> Self::Mask;
     /// `self < other`; false for NaN.
@@ -84,11 +87,7 @@ pub(crate) trait Lanes:
 
 /// Four doubles.
 pub(crate) trait Doubles:
-    Copy
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
 }
 
@@ -107,7 +106,7 @@ mod tests {
     const PLACES: [u8; LANES] = [7, 0, 3, 3, 1, 6, 2, 5];
 
     impl Kernel for Everything {
-        type Output = ([[f32; LANES]; 10], [u32; 6], [f32; 2]);
+        type Output = ([[f32; LANES]; 11], [u32; 6], [f32; 2], [[f32; LANES]; LANES]);
 
         #[inline(always)]
         fn run<S: Simd>(self, simd: S) -> Self::Output {
@@ -127,12 +126,14 @@ mod tests {
                 a.abs(),
                 a.permute(&PLACES),
                 S::F::from_doubles(doubles),
+                a.select(simd.mask(0b1010_0110), b),
             ];
             let (le, lt, ne) = (a.le(b), a.lt(b), a.ne(b));
             (
                 numbers.map(Lanes::to_array),
                 [le.bits(), ne.bits(), (le & ne).bits(), (le | ne).bits(), lt.bits(), a.signs()],
                 [a.smallest(), a.largest()],
+                simd.transpose([a, b, a + b, a - b, a, b, b, a]).map(Lanes::to_array),
             )
         }
     }
@@ -142,7 +143,7 @@ mod tests {
         let a = [1.0, -2.5, 3.25e7, 0.1, 0.0, -1e-20, 7.0, 1e30];
         let b = [3.0, -2.5, 1.5e-3, 0.3, 2.0, 1e20, -7.0, 1e-9];
         for level in Level::all() {
-            let (numbers, masks, ends) = level.run(Everything(a, b));
+            let (numbers, masks, ends, columns) = level.run(Everything(a, b));
             for i in 0..LANES {
                 let (x, y) = (a[i], b[i]);
                 let (dx, dy) = (f64::from(x), f64::from(y));
@@ -157,7 +158,9 @@ mod tests {
                     x.abs(),
                     a[usize::from(PLACES[i])],
                     ((dx * dy + 3.0) / dy - dx) as f32,
+                    if 0b1010_0110 >> i & 1 == 1 { x } else { y },
                 ];
+                assert_eq!(columns[i], [x, y, x + y, x - y, x, y, y, x], "{level:?} column {i}");
                 assert_eq!(numbers.map(|n| n[i]), expected, "{level:?} lane {i}");
                 let bits = [x <= y, x != y, x < y, x <= y || x > y, x < y, x < 0.0];
                 assert_eq!(masks.map(|m| m >> i & 1 == 1), bits, "{level:?} lane {i}");

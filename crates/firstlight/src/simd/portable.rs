@@ -21,6 +21,7 @@ pub(crate) struct Bits(u32);
 
 impl Simd for Portable {
     type F = Array;
+    type M = Bits;
     type D = DoubleArray;
 
     #[inline(always)]
@@ -39,7 +40,14 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn prefetch<T>(self, _: &T) {}
+    fn mask(self, bits: u32) -> Bits {
+        Bits(bits)
+    }
+
+    #[inline(always)]
+    fn transpose(self, rows: [Array; LANES]) -> [Array; LANES] {
+        std::array::from_fn(|column| Array(std::array::from_fn(|row| rows[row].0[column])))
+    }
 }
 
 impl Array {
@@ -112,6 +120,11 @@ impl Lanes for Array {
     #[inline(always)]
     fn copysign(self, sign: Self) -> Self {
         self.zip(sign, f32::copysign)
+    }
+
+    #[inline(always)]
+    fn select(self, mask: Bits, other: Self) -> Self {
+        Self(std::array::from_fn(|i| if mask.0 >> i & 1 == 1 { self.0[i] } else { other.0[i] }))
     }
 
     #[inline(always)]

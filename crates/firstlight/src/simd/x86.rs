@@ -32,6 +32,7 @@ impl Avx2 {
 
 impl Simd for Avx2 {
     type F = F32x8;
+    type M = Mask8;
     type D = F64x4;
 
     #[inline(always)]
@@ -53,12 +54,41 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn prefetch<T>(self, x: &T) {
-        const LINE: usize = 64;
-        let start = std::ptr::from_ref(x).cast::<i8>();
-        for line in 0..size_of::<T>().div_ceil(LINE) {
-            // SAFETY: a prefetch reads nothing that the program sees, and the address stays inside `x`.
-            unsafe { _mm_prefetch::<_MM_HINT_T0>(start.add(LINE * line)) };
+    fn mask(self, bits: u32) -> Mask8 {
+        // SAFETY: `self` proves AVX2.
+        Mask8(unsafe {
+            let bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+            let set = _mm256_and_si256(_mm256_set1_epi32(bits as i32), bit);
+            _mm256_castsi256_ps(_mm256_cmpeq_epi32(set, bit))
+        })
+    }
+
+    #[inline(always)]
+    fn transpose(self, rows: [F32x8; LANES]) -> [F32x8; LANES] {
+        let [a, b, c, d, e, f, g, h] = rows;
+        // SAFETY: `self` proves AVX2.
+        unsafe {
+            let [ab, cd] = [_mm256_unpacklo_ps(a.0, b.0), _mm256_unpacklo_ps(c.0, d.0)];
+            let [ef, gh] = [_mm256_unpacklo_ps(e.0, f.0), _mm256_unpacklo_ps(g.0, h.0)];
+            let [ab2, cd2] = [_mm256_unpackhi_ps(a.0, b.0), _mm256_unpackhi_ps(c.0, d.0)];
+            let [ef2, gh2] = [_mm256_unpackhi_ps(e.0, f.0), _mm256_unpackhi_ps(g.0, h.0)];
+            let quarters = [
+                (_mm256_shuffle_ps::<0x44>(ab, cd), _mm256_shuffle_ps::<0x44>(ef, gh)),
+                (_mm256_shuffle_ps::<0xee>(ab, cd), _mm256_shuffle_ps::<0xee>(ef, gh)),
+                (_mm256_shuffle_ps::<0x44>(ab2, cd2), _mm256_shuffle_ps::<0x44>(ef2, gh2)),
+                (_mm256_shuffle_ps::<0xee>(ab2, cd2), _mm256_shuffle_ps::<0xee>(ef2, gh2)),
+            ];
+            let [p, q, r, s] = quarters;
+            [
+                F32x8(_mm256_permute2f128_ps::<0x20>(p.0, p.1)),
+                F32x8(_mm256_permute2f128_ps::<0x20>(q.0, q.1)),
+                F32x8(_mm256_permute2f128_ps::<0x20>(r.0, r.1)),
+                F32x8(_mm256_permute2f128_ps::<0x20>(s.0, s.1)),
+                F32x8(_mm256_permute2f128_ps::<0x31>(p.0, p.1)),
+                F32x8(_mm256_permute2f128_ps::<0x31>(q.0, q.1)),
+                F32x8(_mm256_permute2f128_ps::<0x31>(r.0, r.1)),
+                F32x8(_mm256_permute2f128_ps::<0x31>(s.0, s.1)),
+            ]
         }
     }
 }
@@ -125,6 +155,12 @@ impl Lanes for F32x8 {
     }
 
     #[inline(always)]
+    fn select(self, mask: Mask8, other: Self) -> Self {
+        // SAFETY: values of this type exist only where AVX2 does.
+        Self(unsafe { _mm256_blendv_ps(other.0, self.0, mask.0) })
+    }
+
+    #[inline(always)]
     fn le(self, other: Self) -> Mask8 {
         // SAFETY: values of this type exist only where AVX2 does.
         Mask8(unsafe { _mm256_cmp_ps::<_CMP_LE_OQ>(self.0, other.0) })
@@ -160,7 +196,8 @@ impl Lanes for F32x8 {
     fn smallest(self) -> f32 {
         // SAFETY: values of this type exist only where AVX2 does.
         unsafe {
-            let four = _mm_min_ps(_mm256_castps256_ps128(self.0), _mm256_extractf128_ps::<1>(self.0));
+            let four =
+                _mm_min_ps(_mm256_castps256_ps128(self.0), _mm256_extractf128_ps::<1>(self.0));
             let two = _mm_min_ps(four, _mm_movehl_ps(four, four));
             _mm_cvtss_f32(_mm_min_ss(two, _mm_movehdup_ps(two)))
         }
@@ -170,7 +207,8 @@ impl Lanes for F32x8 {
     fn largest(self) -> f32 {
         // SAFETY: values of this type exist only where AVX2 does.
         unsafe {
-            let four = _mm_max_ps(_mm256_castps256_ps128(self.0), _mm256_extractf128_ps::<1>(self.0));
+            let four =
+                _mm_max_ps(_mm256_castps256_ps128(self.0), _mm256_extractf128_ps::<1>(self.0));
             let two = _mm_max_ps(four, _mm_movehl_ps(four, four));
             _mm_cvtss_f32(_mm_max_ss(two, _mm_movehdup_ps(two)))
         }
