@@ -10,7 +10,7 @@ Usage: cargo xtask COMMAND
   test      formatting, lints, all tests, documentation: what has to pass
   slow      the tests that take minutes
   gallery   renders every scene in scenes/ into docs/images/
-  bench     times tracing on scenes made on the spot";
+  bench     times tracing and building, beside Embree where it is installed; more with --help";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -18,7 +18,7 @@ fn main() -> ExitCode {
         Some("test") => test(),
         Some("slow") => cargo(&["test", "--workspace", "--release", "--", "--ignored"]),
         Some("gallery") => gallery::render_all(),
-        Some("bench") => cargo(&["bench", "--package", "firstlight"]),
+        Some("bench") => bench(&arguments[1..]),
         _ => Err(USAGE.into()),
     };
     match done {
@@ -36,6 +36,12 @@ fn test() -> Result<(), String> {
     cargo(&["clippy", "--workspace", "--all-targets", "--", "--deny", "warnings"])?;
     cargo(&["test", "--workspace"])?;
     documentation()
+}
+
+/// Hands over to the crate that measures.
+fn bench(arguments: &[String]) -> Result<(), String> {
+    let run = ["run", "--release", "--quiet", "--package", "firstlight-bench", "--"];
+    self::run(Command::new("cargo").args(run).args(arguments))
 }
 
 /// Builds the documentation; a broken link is an error.
