@@ -6,6 +6,8 @@ use std::time::{Duration, Instant};
 
 /// Rays of one call: what a renderer's tile has at once.
 const BATCH: usize = 4096;
+/// Runs before the final.
+const HEATS: usize = 2;
 /// Tracers slower than the fastest by more than this factor in the heats do not run in the final.
 const CLOSE: f64 = 1.25;
 
@@ -65,9 +67,9 @@ impl<'a> Runner<'a> {
     }
 }
 
-/// Times all `teams` over `rays`. In the heats every runner runs once; then the fastest of each team and those
-/// close to it run `runs` times, in turns, so that whatever else the machine does hits all alike. What is left of each
-/// team is sorted, the fastest first.
+/// Times all `teams` over `rays`. First there are heats; then the fastest of each team and those close to it run
+/// `runs` times, in turns, so that whatever else the machine does hits all alike. What is left of each team is
+/// sorted, the fastest first.
 pub(crate) fn race(
     teams: &mut [Vec<Runner<'_>>],
     query: Query,
@@ -75,22 +77,29 @@ pub(crate) fn race(
     threads: usize,
     runs: usize,
 ) {
-    for team in teams.iter_mut() {
-        for runner in team.iter_mut() {
-            runner.times = vec![timed(&*runner.tracer, query, rays, threads)];
-        }
-        let fastest = team.iter().map(|r| median(&r.times)).min().unwrap_or_default();
-        team.retain(|runner| median(&runner.times) <= fastest.mul_f64(CLOSE));
-        team.iter_mut().for_each(|runner| runner.times.clear());
+    run(teams, query, rays, threads, HEATS);
+    teams.iter_mut().for_each(keep_fast);
+    run(teams, query, rays, threads, runs);
+    for team in teams {
+        team.sort_by_key(|runner| median(&runner.times));
     }
+}
+
+/// Everybody runs, in turns, as often as told.
+fn run(teams: &mut [Vec<Runner<'_>>], query: Query, rays: &[Ray], threads: usize, runs: usize) {
     for _ in 0..runs {
         for runner in teams.iter_mut().flatten() {
             runner.times.push(timed(&*runner.tracer, query, rays, threads));
         }
     }
-    for team in teams {
-        team.sort_by_key(|runner| median(&runner.times));
-    }
+}
+
+/// Sends those home whose best time in the heats is far from the best of their team.
+fn keep_fast(team: &mut Vec<Runner<'_>>) {
+    let best = |runner: &Runner<'_>| runner.times.iter().min().copied().unwrap_or_default();
+    let fastest = team.iter().map(best).min().unwrap_or_default();
+    team.retain(|runner| best(runner) <= fastest.mul_f64(CLOSE));
+    team.iter_mut().for_each(|runner| runner.times.clear());
 }
 
 /// How long a tracer takes over all rays; threads take batches from a common counter.
