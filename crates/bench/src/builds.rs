@@ -6,6 +6,7 @@ use crate::recipe::{Recipe, description};
 use crate::report::{print_head, print_row};
 use firstlight::render::with_threads;
 use firstlight::{Scene, SceneDescription};
+use std::num::NonZeroUsize;
 use std::time::{Duration, Instant};
 
 /// Embree's builds that are compared, with their names.
@@ -38,7 +39,7 @@ impl Builds {
 pub(crate) fn run(
     recipes: &[Recipe],
     embree: Option<&Embree>,
-    threads: &[usize],
+    threads: &[NonZeroUsize],
     runs: usize,
 ) -> Result<(), String> {
     println!("Building: seconds, medians; bytes per triangle, for Embree at rest / at the peak.\n");
@@ -50,7 +51,7 @@ pub(crate) fn run(
     print_head(&head);
     for recipe in recipes {
         let described = description(recipe.mesh.clone());
-        for &threads in threads {
+        for threads in threads.iter().map(|threads| threads.get()) {
             let builds = race(recipe, &described, embree, threads, runs)?;
             let triangles = recipe.mesh.triangles.len();
             let mut cells = vec![recipe.name.clone(), triangles.to_string(), threads.to_string()];

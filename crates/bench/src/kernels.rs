@@ -10,6 +10,7 @@ use crate::recipe::{Recipe, View, description};
 use crate::report::{Agreement, Report, Speeds};
 use clap::{Args, ValueEnum};
 use firstlight::{Level, Ray, Scene};
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 /// What to measure.
@@ -27,10 +28,10 @@ pub(crate) struct Options {
     only: Vec<Work>,
     /// Numbers of threads to use.
     #[arg(long, value_delimiter = ',', default_values = ["1", "2"])]
-    threads: Vec<usize>,
+    threads: Vec<NonZeroUsize>,
     /// Runs that each median is taken of.
     #[arg(long, default_value = "5")]
-    runs: usize,
+    runs: NonZeroUsize,
     /// Embree's library. Without: the one in the Python package `embreex`.
     #[arg(long, value_name = "FILE", env = "FIRSTLIGHT_EMBREE")]
     embree: Option<PathBuf>,
@@ -66,31 +67,36 @@ impl Work {
         }
     }
 
-    /// The rays of this kind and what is asked about them.
+    /// The rays of this kind, if there are any, and what is asked about them.
     fn rays(self, rays: &Rays) -> Option<(Query, &[Ray])> {
-        match self {
-            Self::Build => None,
-            Self::Camera => Some((Query::Closest, &rays.camera)),
-            Self::Shadow => Some((Query::Any, &rays.shadow)),
-            Self::Bounce => Some((Query::Closest, &rays.bounce)),
-            Self::BounceAny => Some((Query::Any, &rays.bounce)),
-        }
+        let (query, rays) = match self {
+            Self::Build => return None,
+            Self::Camera => (Query::Closest, &rays.camera),
+            Self::Shadow => (Query::Any, &rays.shadow),
+            Self::Bounce => (Query::Closest, &rays.bounce),
+            Self::BounceAny => (Query::Any, &rays.bounce),
+        };
+        (!rays.is_empty()).then_some((query, rays))
     }
 }
+
+/// Said when there is nothing to compare with.
+const NO_EMBREE: &str = "Embree is not measured: python3 knows no package embreex (pip install embreex), and no \
+                         --embree names its library.";
 
 /// Measures and prints it all.
 ///
 /// # Errors
-/// If a mesh cannot be read or a file not written.
+/// If a mesh or Embree cannot be loaded or the plot not be written.
 pub(crate) fn run(options: &Options) -> Result<(), String> {
     let recipes = recipes(options)?;
-    let embree = Embree::find(options.embree.as_deref());
-    if let Err(reason) = &embree {
-        println!("{reason}\n");
+    let embree = Embree::find(options.embree.as_deref())?;
+    if embree.is_none() {
+        println!("{NO_EMBREE}\n");
     }
-    let embree = embree.as_ref().ok();
+    let embree = embree.as_ref();
     if options.only.contains(&Work::Build) {
-        builds::run(&recipes, embree, &options.threads, options.runs)?;
+        builds::run(&recipes, embree, &options.threads, options.runs.get())?;
     }
     let mut report = Report::default();
     for recipe in &recipes {
@@ -122,10 +128,10 @@ fn trace(
     let all = Rays::of(recipe, &ours[0].1);
     for &work in &options.only {
         let Some((query, rays)) = work.rays(&all) else { continue };
-        for &threads in &options.threads {
+        for threads in options.threads.iter().map(|threads| threads.get()) {
             let mut teams: Vec<_> = ours.iter().map(our_team).collect();
             teams.extend(theirs.iter().map(|scenes| embree_team(scenes)));
-            race(&mut teams, query, rays, threads, options.runs);
+            race(&mut teams, query, rays, threads, options.runs.get());
             let best = |team: &Vec<Runner<'_>>| (team[0].name.clone(), team[0].mrays(rays.len()));
             let mut levels: Vec<_> = teams.iter().map(best).collect();
             let embree = levels.split_off(ours.len());

@@ -122,3 +122,41 @@ pub(crate) fn median(times: &[Duration]) -> Duration {
     sorted.sort();
     sorted.get(sorted.len() / 2).copied().unwrap_or_default()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+    use std::sync::Mutex;
+
+    /// Remembers which rays it was given.
+    struct Witness(Mutex<Vec<f32>>);
+
+    impl Tracer for &Witness {
+        fn trace(&self, _: Query, rays: &[Ray], _: &mut Answers) {
+            self.0.lock().unwrap().extend(rays.iter().map(|ray| ray.t_min));
+        }
+
+        fn distances(&self, _: Query, _: &Answers) -> Vec<f32> {
+            Vec::new()
+        }
+    }
+
+    #[test]
+    fn threads_share_all_rays_out_among_themselves() {
+        let ray = |i: u16| Ray { t_min: f32::from(i), ..Ray::new(Vec3::ZERO, Vec3::X) };
+        let rays: Vec<_> = (0..10_000).map(ray).collect();
+        let witness = Witness(Mutex::default());
+        timed(&&witness, Query::Any, &rays, 3);
+        let mut seen = witness.0.into_inner().unwrap();
+        seen.sort_by(f32::total_cmp);
+        assert!(seen.iter().zip(&rays).all(|(seen, ray)| *seen == ray.t_min));
+        assert_eq!(seen.len(), rays.len());
+    }
+
+    #[test]
+    fn the_median_is_the_middle() {
+        let times = [5, 1, 100].map(Duration::from_secs);
+        assert_eq!(median(&times), Duration::from_secs(5));
+    }
+}

@@ -113,3 +113,35 @@ fn pcg(seed: u32) -> u32 {
     let word = (state >> ((state >> 28) + 4) ^ state).wrapping_mul(277_803_737);
     word >> 22 ^ word
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_pixel_comes_once_and_tiles_stay_together() {
+        let pixels = tile_order();
+        let mut seen = vec![false; (SIDE * SIDE) as usize];
+        for (i, [x, y]) in pixels.iter().enumerate() {
+            seen[(y * SIDE + x) as usize] = true;
+            let tile = (y / TILE * (SIDE / TILE) + x / TILE) as usize;
+            assert_eq!(tile, i / (TILE * TILE) as usize);
+        }
+        assert!(seen.into_iter().all(|seen| seen));
+        assert_eq!(pixels[..5], [[0, 0], [1, 0], [0, 1], [1, 1], [2, 0]]);
+    }
+
+    #[test]
+    fn bounces_are_distributed_as_the_cosine() {
+        let normal = unit(Vec3::new(0.3, -0.8, -0.5));
+        let directions: Vec<_> = (0..1 << 16).map(|i| cosine_direction(normal, i)).collect();
+        let mean = |f: &dyn Fn(Vec3) -> f32| {
+            directions.iter().map(|d| f64::from(f(*d))).sum::<f64>() / directions.len() as f64
+        };
+        assert!(directions.iter().all(|d| (d.length() - 1.0).abs() < 1e-5));
+        // ∫cos²/π dω = 2/3, ∫cos³/π dω = 1/2; deviations of the means are below 0.001.
+        assert!((mean(&|d| d.dot(normal)) - 2.0 / 3.0).abs() < 0.005);
+        assert!((mean(&|d| d.dot(normal).powi(2)) - 0.5).abs() < 0.005);
+        assert!(mean(&|d| d.dot(normal.any_orthonormal_vector())).abs() < 0.01);
+    }
+}

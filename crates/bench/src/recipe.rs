@@ -152,3 +152,23 @@ pub(crate) fn description(mesh: Mesh) -> SceneDescription {
         ..SceneDescription::default()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_view_is_13_numbers() {
+        let view: View = "-1 2 3  4 5 6  0 1 0  40  7 8 9".parse().unwrap();
+        assert_eq!((view.eye, view.light), (Vec3::new(-1.0, 2.0, 3.0), Vec3::new(7.0, 8.0, 9.0)));
+        assert!("1 2".parse::<View>().unwrap_err().starts_with("2 numbers instead of 13"));
+        assert!("1 2 x".parse::<View>().is_err());
+    }
+
+    #[test]
+    fn a_framed_mesh_is_seen_and_lit_from_outside() {
+        let view = View::framing(&meshes::bumpy_ball(1000));
+        assert!(view.eye.length() > 1.5 && view.light.length() > 1.5);
+        assert!(view.target.length() < 0.3);
+    }
+}

@@ -94,9 +94,7 @@ impl Report {
     /// Takes speeds in and prints them, after the table's head if they are the first.
     pub(crate) fn add(&mut self, speeds: Speeds) {
         if self.speeds.is_empty() {
-            println!(
-                "Millions of rays per second, medians; ratios are ours to Embree's best mode.\n"
-            );
+            println!("Millions of rays per second, medians; ratio: ours to Embree's best mode.\n");
             print_head(&head(&speeds));
         }
         print_row(&speeds.cells());
@@ -185,4 +183,37 @@ pub(crate) fn print_head(cells: &[String]) {
 /// Prints a row of a table.
 pub(crate) fn print_row(cells: &[String]) {
     println!("| {} |", cells.join(" | "));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::embree::Quality;
+
+    #[test]
+    fn hits_are_compared_one_by_one() {
+        let setup = Setup { quality: Quality::High, robust: true, simd256: false };
+        let nothing = f32::INFINITY;
+        let ours = [nothing, nothing, 1.0, 2.0, 3.0, 0.0];
+        let theirs = [nothing, 1.0, nothing, 2.000_02, 4.0, 0.0];
+        let compared = Agreement::new("mesh", Work::Camera, setup, &ours, &theirs);
+        assert_eq!(compared.hits, [4, 4]);
+        assert_eq!((compared.only_one_hits, compared.elsewhere), (2, 1));
+        assert!(compared.rounding > 5e-6 && compared.rounding < 2e-5);
+    }
+
+    #[test]
+    fn means_are_geometric_and_apart_for_each_number_of_threads() {
+        let mut report = Report::default();
+        for (mesh, threads, ours) in [("a", 1, 2.0), ("b", 1, 8.0), ("a", 2, 3.0)] {
+            let levels = vec![("portable".into(), 0.5), ("best".into(), ours)];
+            let embree = vec![("8".into(), 2.0)];
+            let mesh = mesh.into();
+            report.speeds.push(Speeds { mesh, work: Work::Shadow, threads, levels, embree });
+        }
+        let means = report.means();
+        assert_eq!((means.len(), means[0].1, means[1].1), (2, 1, 2));
+        assert!((means[0].2[0] - 2.0).abs() < 1e-12);
+        assert!((means[1].2[0] - 1.5).abs() < 1e-12);
+    }
 }

@@ -38,10 +38,11 @@ fn test() -> Result<(), String> {
     documentation()
 }
 
-/// Hands over to the crate that measures.
+/// Hands over to the crate that measures: kernels, unless told otherwise.
 fn bench(arguments: &[String]) -> Result<(), String> {
-    let run = ["run", "--release", "--quiet", "--package", "firstlight-bench", "--"];
-    self::run(Command::new("cargo").args(run).args(arguments))
+    let program = ["run", "--release", "--quiet", "--package", "firstlight-bench", "--"];
+    let usual = arguments.is_empty().then_some("kernels");
+    run(Command::new("cargo").args(program).args(usual).args(arguments))
 }
 
 /// Builds the documentation; a broken link is an error.

@@ -140,3 +140,18 @@ functions! {
     occluded8 = b"rtcOccluded8": Any<8>;
     occluded16 = b"rtcOccluded16": Any<16>;
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::mem::offset_of;
+
+    #[test]
+    fn packets_are_laid_out_as_embree_has_them() {
+        assert_eq!(offset_of!(RaysAndHits<1>, hits), 48);
+        assert_eq!(offset_of!(RaysAndHits<16>, hits), 768);
+        assert_eq!(offset_of!(Rays<8>, t_far), 8 * 32);
+        assert_eq!(offset_of!(Hits<8>, geometry), 6 * 32);
+        assert_eq!(size_of::<Hits<1>>(), 36);
+    }
+}

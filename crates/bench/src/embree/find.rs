@@ -9,19 +9,13 @@ use std::process::Command;
 const ASK_PYTHON: &str = "import importlib.util as u, os; print(os.path.dirname(os.path.dirname(u.find_spec('embreex').origin)))";
 
 impl Embree {
-    /// Embree from the library file `named`, or from the Python package `embreex`.
+    /// Embree from the library file `named`, or else from the Python package `embreex`; `None` without both.
     ///
     /// # Errors
-    /// Why there is none, in words to be printed.
-    pub(crate) fn find(named: Option<&Path>) -> Result<Self, String> {
-        let path = match named {
-            Some(path) => path.to_owned(),
-            None => in_python().ok_or(
-                "Embree is not measured: Python knows no package `embreex` (pip install embreex), and no --embree \
-                 names the library.",
-            )?,
-        };
-        Self::open(&path)
+    /// If there is a library that cannot be used.
+    pub(crate) fn find(named: Option<&Path>) -> Result<Option<Self>, String> {
+        let found = named.map(Path::to_owned).or_else(in_python);
+        found.map(|path| Self::open(&path)).transpose()
     }
 }
 

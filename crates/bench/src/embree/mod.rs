@@ -13,6 +13,7 @@ use abi::{Functions, Handle};
 use denormals::FlushDenormals;
 use firstlight::scene::description::Mesh;
 use glam::Vec3;
+use std::error::Error;
 use std::ffi::{CString, c_int, c_void};
 use std::path::Path;
 use std::ptr::NonNull;
@@ -47,8 +48,10 @@ pub(crate) enum Quality {
 impl Embree {
     /// Loads the library from a file.
     fn open(path: &Path) -> Result<Self, String> {
-        let wrong =
-            |error| format!("Embree is not measured: {} cannot be used: {error}", path.display());
+        let wrong = |error: libloading::Error| {
+            let reason = error.source().map_or(error.to_string(), ToString::to_string);
+            format!("{} cannot be used as Embree: {reason}", path.display())
+        };
         // SAFETY: Embree's initialisers ask nothing of who loads it, and the functions are those of its version 4.
         let functions = unsafe { libloading::Library::new(path).and_then(|l| Functions::of(l)) };
         Ok(Self { functions: functions.map_err(wrong)? })

@@ -201,3 +201,31 @@ impl<const N: usize> Hits<N> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn rays_find_their_places_in_packets() {
+        let ray = |i: u32| {
+            let v = |start: u32| Vec3::from_array([start, start + 1, start + 2].map(|n| n as f32));
+            Ray {
+                origin: v(8 * i),
+                direction: v(8 * i + 3),
+                t_min: 0.5 * i as f32,
+                t_max: -(i as f32),
+            }
+        };
+        let rays: Vec<_> = (0..6).map(ray).collect();
+        let mut packet = Rays::<8>::new();
+        packet.load(&rays);
+        for lane in 0..8 {
+            let ray = rays[lane.min(5)];
+            assert_eq!(packet.origin.map(|row| row[lane]), ray.origin.to_array());
+            assert_eq!(packet.direction.map(|row| row[lane]), ray.direction.to_array());
+            assert_eq!((packet.t_near[lane], packet.t_far[lane]), (ray.t_min, ray.t_max));
+        }
+    }
+}
