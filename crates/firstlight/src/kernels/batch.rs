@@ -1,8 +1,10 @@
 //! Batches of rays: those that go together walk the tree together, the others alone.
 
+use super::alone::Walk;
+use super::beams::GROUPS;
 use super::layout::Tree;
-use super::tile::{GROUPS, Tile, Walk};
-use super::traverse::{FLATTENED, HitFilter, Others, Search, Stack};
+use super::tile::Tile;
+use super::traverse::{HitFilter, Others};
 use crate::geometry::{Hit, Ray};
 use crate::simd::{Kernel, LANES, Level, Simd};
 
@@ -37,50 +39,11 @@ impl<O: Others, const ANY: bool> Kernel for Batch<'_, O, ANY> {
     fn run<S: Simd>(self, simd: S) {
         const RAYS: usize = GROUPS * LANES;
         let Self { tree, others, filter, rays, hits, known } = self;
-        let alone = Alone { simd, tree, others, filter, flags: filter.flags() };
-        let mut stack = Stack::new();
-        let mut tile = Tile::new(simd, filter, alone.flags);
+        let flags = filter.flags();
+        let mut tile = Tile::new(simd);
         for (rays, hits) in rays.chunks(RAYS).zip(hits.chunks_mut(RAYS)) {
-            let groups = tile.load(tree, rays);
-            if known {
-                tile.know::<ANY>(hits);
-            }
-            let mut first = 0;
-            while first < groups {
-                let together = tile.together_from(first);
-                let range = first..first + together.max(1);
-                first = range.end;
-                if together > 0 {
-                    tile.walk::<O, ANY>(range, Walk { tree, others, rays, hits });
-                } else {
-                    let range = LANES * range.start..LANES * range.end;
-                    alone.walk::<ANY>(&rays[range.clone()], &mut hits[range], &mut stack);
-                }
-            }
-            let rest = LANES * groups;
-            alone.walk::<ANY>(&rays[rest..], &mut hits[rest..], &mut stack);
-        }
-    }
-}
-
-/// Rays that have nothing in common.
-struct Alone<'a, S, O> {
-    simd: S,
-    tree: &'a Tree,
-    others: &'a O,
-    filter: &'a dyn HitFilter,
-    flags: u32,
-}
-
-impl<S: Simd, O: Others> Alone<'_, S, O> {
-    #[inline(always)]
-    fn walk<const ANY: bool>(&self, rays: &[Ray], hits: &mut [Hit], stack: &mut Stack) {
-        let Self { simd, tree, filter, flags, .. } = *self;
-        for (ray, hit) in rays.iter().zip(hits) {
-            if !(ANY && hit.is_some()) {
-                let search = Search { simd, ray, filter, flags };
-                search.walk::<O, ANY>(tree, ray, FLATTENED, self.others, hit, stack);
-            }
+            let walk = Walk { tree, others, filter, flags, rays, hits };
+            tile.answer::<O, ANY>(walk, known);
         }
     }
 }

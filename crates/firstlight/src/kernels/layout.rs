@@ -1,7 +1,7 @@
 //! How a tree lies in memory: nodes of eight boxes, leaves of eight triangles.
 
 use crate::geometry::Bounds;
-use crate::simd::LANES;
+use crate::simd::{LANES, Pages, Simd};
 use glam::Vec3;
 
 /// Flag of a triangle that is hidden from camera rays when seen from behind.
@@ -11,8 +11,52 @@ pub(crate) const PARTLY_THERE: u32 = 1 << 30;
 /// The part of a triangle's word that is its number.
 const NUMBER: u32 = PARTLY_THERE - 1;
 
+/// One of the three axes: an index that needs no check.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(usize)]
+pub(super) enum Axis {
+    X,
+    Y,
+    Z,
+}
+
+/// One of the six rows of [`Node::planes`]: an index that needs no check.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(usize)]
+pub(super) enum Plane {
+    LoX,
+    LoY,
+    LoZ,
+    HiX,
+    HiY,
+    HiZ,
+}
+
+/// Which of a node's six planes rays enter and leave through, by axis.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct EntryPlanes {
+    pub near: [Plane; 3],
+    pub far: [Plane; 3],
+}
+
+impl EntryPlanes {
+    /// For directions whose signs are the bits of `octant`.
+    #[inline(always)]
+    pub(super) fn of(octant: u32) -> Self {
+        let lo = [Plane::LoX, Plane::LoY, Plane::LoZ];
+        let hi = [Plane::HiX, Plane::HiY, Plane::HiZ];
+        let (mut near, mut far) = (lo, hi);
+        for axis in 0..3 {
+            if octant >> axis & 1 == 1 {
+                (near[axis], far[axis]) = (hi[axis], lo[axis]);
+            }
+        }
+        Self { near, far }
+    }
+}
+
 /// Eight boxes, structure of arrays, and what is in them.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy)]
 #[repr(C, align(64))]
 pub(crate) struct Node {
     /// Smallest x, y, z, then largest x, y, z of each child.
@@ -74,6 +118,12 @@ impl Node {
         Self { planes: [lo, lo, lo, hi, hi, hi], children: [Child::NOTHING; LANES] }
     }
 
+    /// One plane of each child.
+    #[inline(always)]
+    pub(super) fn row(&self, plane: Plane) -> &[f32; LANES] {
+        &self.planes[plane as usize]
+    }
+
     /// Fills box `slot`.
     pub(crate) fn set(&mut self, slot: usize, bounds: Bounds, child: Child) {
         for axis in 0..3 {
@@ -87,11 +137,11 @@ impl Node {
 /// Up to eight triangles that share up to eight vertices: two cache lines. Unused lanes have no area.
 ///
 /// Vertices are told apart by their bits, so that triangles of different faces, meshes and files share them as well.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy)]
 #[repr(C, align(64))]
 pub(crate) struct TriangleBlock {
     /// x, y, z of the vertices.
-    pub(super) vertices: [[f32; LANES]; 3],
+    vertices: [[f32; LANES]; 3],
     /// Which vertices are the first, second and third corner of each triangle.
     pub(super) corners: [[u8; LANES]; 3],
     /// Index of the first triangle's word in [`Tree::words`].
@@ -127,6 +177,12 @@ impl TriangleBlock {
         grown.triangles += 1;
         *self = grown;
         true
+    }
+
+    /// One coordinate of each vertex.
+    #[inline(always)]
+    pub(super) fn row(&self, axis: Axis) -> &[f32; LANES] {
+        &self.vertices[axis as usize]
     }
 
     /// Number of vertices.
@@ -199,14 +255,14 @@ impl Word {
 }
 
 /// A bounding volume hierarchy.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(crate) struct Tree {
     /// All nodes; the root first. Empty: nothing to hit.
-    pub nodes: Vec<Node>,
+    pub nodes: Pages<Node>,
     /// All triangles.
-    pub blocks: Vec<TriangleBlock>,
+    pub blocks: Pages<TriangleBlock>,
     /// What the triangles are, block by block.
-    pub words: Vec<Word>,
+    pub words: Pages<Word>,
     /// The box around everything.
     pub bounds: Bounds,
     /// The largest absolute coordinate of that box.
@@ -214,14 +270,13 @@ pub(crate) struct Tree {
 }
 
 impl Tree {
-    /// Nothing.
-    pub(crate) fn empty() -> Self {
-        Self {
-            nodes: Vec::new(),
-            blocks: Vec::new(),
-            words: Vec::new(),
-            bounds: Bounds::EMPTY,
-            reach: 0.0,
+    /// Asks for what `child` refers to, which is needed soon.
+    #[inline(always)]
+    pub(super) fn prefetch<S: Simd>(&self, simd: S, child: Child) {
+        match child.target() {
+            Target::Node(index) => simd.prefetch(&self.nodes[index]),
+            Target::Block(index) => simd.prefetch(&self.blocks[index]),
+            Target::Other(_) | Target::Nothing => {}
         }
     }
 
@@ -233,8 +288,8 @@ impl Tree {
 
     /// Bytes it takes.
     pub(crate) fn memory(&self) -> usize {
-        size_of_val(self.nodes.as_slice())
-            + size_of_val(self.blocks.as_slice())
-            + size_of_val(self.words.as_slice())
+        size_of_val(&*self.nodes)
+            + size_of_val(&*self.blocks)
+            + size_of_val(&*self.words)
     }
 }

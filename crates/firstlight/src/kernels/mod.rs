@@ -1,6 +1,9 @@
 //! Every loop that is compiled once per SIMD level.
 
+mod alone;
 mod batch;
+mod beams;
+mod group;
 mod layout;
 mod tile;
 mod traverse;

@@ -4,7 +4,7 @@
 //! tested with a pad on the ray's origin that is larger than every rounding error of the box test and of the triangle
 //! test's shear, which costs nothing per box (after Ize, *Robust BVH Ray Traversal*, JCGT 2(2), 2013).
 
-use super::layout::{Child, Node, Target, Tree, TriangleBlock};
+use super::layout::{Child, EntryPlanes, Node, Target, Tree, TriangleBlock};
 use super::triangles::{Shear, accept};
 use crate::geometry::{Hit, Ray};
 use crate::simd::{LANES, Lanes, Mask, Simd};
@@ -53,7 +53,7 @@ pub(crate) struct Search<'a, S> {
 /// Nodes still to be visited, the nearest on top.
 pub(crate) struct Stack {
     entries: [(Child, f32); Stack::SIZE],
-    len: usize,
+    pub(super) len: usize,
 }
 
 impl Stack {
@@ -86,7 +86,7 @@ impl Stack {
 
     /// The next child nearer than `t`, above the level `base`.
     #[inline(always)]
-    fn pop(&mut self, base: usize, t: f32) -> Option<Child> {
+    pub(super) fn pop(&mut self, base: usize, t: f32) -> Option<Child> {
         while self.len > base {
             self.len -= 1;
             let (child, near) = self.entries[self.len % Self::SIZE];
@@ -115,17 +115,17 @@ impl<S: Simd> Search<'_, S> {
         }
         let prepared = (Slabs::new(self.simd, tree, ray), Shear::of_ray(self.simd, ray));
         let start = (tree, Child::node(0));
-        self.walk_from::<O, ANY>(start, ray, &prepared, surface, others, hit, stack)
+        self.walk_from::<O, ANY>(start, ray, prepared, surface, others, hit, stack)
     }
 
-    /// As [`Search::walk`], through what is below `start`.
+    /// As [`Search::walk`], through what is below `start`, with a ray that is prepared.
     #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "all that a walk needs, in registers")]
+    #[expect(clippy::too_many_arguments, reason = "what a walk needs is to stay in registers")]
     pub(super) fn walk_from<O: Others, const ANY: bool>(
         &self,
         (tree, start): (&Tree, Child),
         ray: &Ray,
-        (slabs, shear): &(Slabs<S>, Shear<S>),
+        (slabs, shear): (Slabs<S>, Shear<S>),
         surface: u32,
         others: &O,
         hit: &mut Hit,
@@ -138,7 +138,7 @@ impl<S: Simd> Search<'_, S> {
                 Target::Node(index) => slabs.enter::<ANY>(&tree.nodes[index], hit.t, stack, base),
                 Target::Block(index) => {
                     let block = &tree.blocks[index];
-                    found |= self.meet(tree, block, ray, shear, surface, hit);
+                    found |= self.meet(tree, block, ray, &shear, surface, hit);
                     if ANY && found { None } else { stack.pop(base, hit.t) }
                 }
                 Target::Other(surface) => {
@@ -184,9 +184,7 @@ pub(super) struct Slabs<S: Simd> {
     pub scale: [S::F; 3],
     pub near: [S::F; 3],
     pub far: [S::F; 3],
-    /// Which of a node's six planes is entered first and last, by axis.
-    pub near_plane: [usize; 3],
-    pub far_plane: [usize; 3],
+    pub entry: EntryPlanes,
     pub t_min: S::F,
     pub simd: S,
 }
@@ -197,7 +195,6 @@ impl<S: Simd> Slabs<S> {
         let pad = PAD * (ray.origin.abs().max_element() + tree.reach);
         let zero = simd.splat(0.0);
         let (mut scale, mut near, mut far) = ([zero; 3], [zero; 3], [zero; 3]);
-        let (mut near_plane, mut far_plane) = ([0; 3], [0; 3]);
         for axis in 0..3 {
             let (o, d) = (ray.origin[axis], ray.direction[axis]);
             let reciprocal = 1.0 / d.abs().max(SMALLEST).copysign(d);
@@ -205,30 +202,27 @@ impl<S: Simd> Slabs<S> {
             scale[axis] = simd.splat(reciprocal);
             near[axis] = simd.splat(-(o + pad) * reciprocal);
             far[axis] = simd.splat(-(o - pad) * reciprocal);
-            near_plane[axis] = if reciprocal > 0.0 { axis } else { axis + 3 };
-            far_plane[axis] = if reciprocal > 0.0 { axis + 3 } else { axis };
         }
-        Self { scale, near, far, near_plane, far_plane, t_min: simd.splat(ray.t_min), simd }
+        let entry = EntryPlanes::of(ray.direction.is_negative_bitmask());
+        Self { scale, near, far, entry, t_min: simd.splat(ray.t_min), simd }
     }
 
     /// Where the ray enters the slabs of one axis.
     #[inline(always)]
     fn near(&self, node: &Node, axis: usize) -> S::F {
-        let planes = &node.planes[self.near_plane[axis] % 6];
-        self.simd.load(planes).mul_add(self.scale[axis], self.near[axis])
+        self.simd.load(node.row(self.entry.near[axis])).mul_add(self.scale[axis], self.near[axis])
     }
 
     /// Where the ray leaves the slabs of one axis.
     #[inline(always)]
     fn far(&self, node: &Node, axis: usize) -> S::F {
-        let planes = &node.planes[self.far_plane[axis] % 6];
-        self.simd.load(planes).mul_add(self.scale[axis], self.far[axis])
+        self.simd.load(node.row(self.entry.far[axis])).mul_add(self.scale[axis], self.far[axis])
     }
 
     /// The nearest child of `node` that the ray meets before `t`; the others wait on the stack. If there is none, what
     /// waits there above `base`.
     #[inline(always)]
-    fn enter<const ANY: bool>(
+    pub(super) fn enter<const ANY: bool>(
         &self,
         node: &Node,
         t: f32,

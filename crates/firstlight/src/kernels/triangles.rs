@@ -6,7 +6,7 @@
 //! that start next to it (see [`plane_distance`]). No fused operation takes part in either, and one ray against eight
 //! triangles takes the same roundings as eight rays against one, so that every way gives the same bits.
 
-use super::layout::{Tree, TriangleBlock};
+use super::layout::{Axis, Tree, TriangleBlock};
 use super::traverse::Search;
 use crate::geometry::triangle::plane_distance;
 use crate::geometry::{Hit, Ray};
@@ -17,16 +17,20 @@ use glam::Vec3;
 #[derive(Clone, Copy)]
 pub(super) struct Shear<S: Simd> {
     /// The order of the axes; the last is the rays' largest.
-    pub axes: [usize; 3],
+    pub axes: [Axis; 3],
     /// Shear along the first two, and the origin in this order.
     pub shear: [S::F; 2],
     pub origin: [S::F; 3],
 }
 
-/// The order of the axes for a ray whose largest is `z`.
+/// The order of the axes for a ray whose largest is number `z`.
 #[inline(always)]
-pub(super) fn axes(z: usize) -> [usize; 3] {
-    [(z + 1) % 3, (z + 2) % 3, z]
+pub(super) fn axes(z: usize) -> [Axis; 3] {
+    match z {
+        0 => [Axis::Y, Axis::Z, Axis::X],
+        1 => [Axis::Z, Axis::X, Axis::Y],
+        _ => [Axis::X, Axis::Y, Axis::Z],
+    }
 }
 
 impl<S: Simd> Shear<S> {
@@ -35,11 +39,11 @@ impl<S: Simd> Shear<S> {
     pub(super) fn of_ray(simd: S, ray: &Ray) -> Self {
         let (o, d) = (ray.origin, ray.direction);
         let axes = axes(d.abs().max_position());
-        let z = d[axes[2]];
+        let [x, y, z] = axes.map(|axis| axis as usize);
         Self {
             axes,
-            shear: [simd.splat(d[axes[0]] / z), simd.splat(d[axes[1]] / z)],
-            origin: [simd.splat(o[axes[0]]), simd.splat(o[axes[1]]), simd.splat(o[axes[2]])],
+            shear: [simd.splat(d[x] / d[z]), simd.splat(d[y] / d[z])],
+            origin: [simd.splat(o[x]), simd.splat(o[y]), simd.splat(o[z])],
         }
     }
 
@@ -54,9 +58,9 @@ impl<S: Simd> Shear<S> {
     #[inline(always)]
     pub(super) fn cross_block(&self, simd: S, block: &TriangleBlock) -> (u32, [S::F; 3]) {
         let (x, y) = self.apply(
-            simd.load(&block.vertices[self.axes[0] % 3]),
-            simd.load(&block.vertices[self.axes[1] % 3]),
-            simd.load(&block.vertices[self.axes[2] % 3]),
+            simd.load(block.row(self.axes[0])),
+            simd.load(block.row(self.axes[1])),
+            simd.load(block.row(self.axes[2])),
         );
         let [a, b, c] = &block.corners;
         cross(

@@ -5,12 +5,14 @@
 //! only [`Lanes::mul_add`] may round once or twice.
 
 mod level;
+mod pages;
 mod portable;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
 pub(crate) use level::Kernel;
 pub use level::Level;
+pub(crate) use pages::Pages;
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
@@ -37,6 +39,9 @@ pub(crate) trait Simd: Copy {
 
     /// Bit `i` as lane `i`.
     fn mask(self, bits: u32) -> Self::M;
+
+    /// Asks for the cache lines of `x`, which is needed soon.
+    fn prefetch<T>(self, x: &T);
 
     /// Rows become columns.
     fn transpose(self, rows: [Self::F; LANES]) -> [Self::F; LANES];

@@ -45,6 +45,9 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
+    fn prefetch<T>(self, _: &T) {}
+
+    #[inline(always)]
     fn transpose(self, rows: [Array; LANES]) -> [Array; LANES] {
         std::array::from_fn(|column| Array(std::array::from_fn(|row| rows[row].0[column])))
     }

@@ -64,6 +64,16 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
+    fn prefetch<T>(self, x: &T) {
+        const LINE: usize = 64;
+        let start = std::ptr::from_ref(x).cast::<i8>();
+        for line in 0..size_of::<T>().div_ceil(LINE) {
+            // SAFETY: a prefetch reads nothing that the program sees, and the address stays inside `x`.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(start.add(LINE * line)) };
+        }
+    }
+
+    #[inline(always)]
     fn transpose(self, rows: [F32x8; LANES]) -> [F32x8; LANES] {
         let [a, b, c, d, e, f, g, h] = rows;
         // SAFETY: `self` proves AVX2.
