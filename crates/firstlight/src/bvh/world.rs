@@ -1,6 +1,6 @@
 //! Everything that can be hit: one tree over the world, one per mesh that stands in it more than once.
 
-use super::build::{Item, Reference};
+use super::reference::{Item, Reference, Triangles};
 use super::wide;
 use crate::geometry::{Analytic, Bounds, Hit, Ray};
 use crate::kernels::{FLATTENED, HitFilter, Others, Search, Stack, Tree, search};
@@ -98,15 +98,9 @@ impl World {
         for (surface, part) in parts.iter().enumerate() {
             builder.add(surface as u32, part, tree_of[surface].map(|i: usize| &trees[i]));
         }
+        let triangles = FlattenedTriangles { parts: &parts, flattened: &builder.flattened };
+        let top = wide::tree(builder.references, &triangles);
         let flattened = builder.flattened;
-        let triangle = |number: u32| {
-            let (surface, triangle) = locate(&flattened, number);
-            match &parts[surface as usize] {
-                Part::Mesh(part) => (part.corners(triangle), part.flags),
-                Part::Analytic(..) => unreachable!("only meshes have triangles"),
-            }
-        };
-        let top = wide::tree(builder.references, &triangle);
         Self { parts, top, flattened, trees, tree_of, endless: builder.endless, level }
     }
 
@@ -280,15 +274,39 @@ fn instanced_trees(parts: &[Part]) -> (Vec<Tree>, Vec<Option<usize>>) {
 }
 
 fn mesh_tree(part: &MeshPart) -> Tree {
-    let references = triangle_references(part, 0);
-    wide::tree(references.collect(), &|number| (part.corners(number), part.flags))
+    wide::tree(triangle_references(part, 0).collect(), part)
 }
 
-fn triangle_references(part: &MeshPart, first: u32) -> impl Iterator<Item = Reference> + '_ {
-    (0..part.mesh.triangles.len() as u32).map(move |triangle| Reference {
-        bounds: Bounds::around(part.corners(triangle)),
-        item: Item::Triangle(first + triangle),
+fn triangle_references(
+    part: &MeshPart,
+    first: u32,
+) -> impl IndexedParallelIterator<Item = Reference> + '_ {
+    (0..part.mesh.triangles.len() as u32).into_par_iter().map(move |triangle| {
+        let bounds = Bounds::around(part.corners(triangle));
+        Reference::new(bounds, Item::Triangle(first + triangle))
     })
+}
+
+impl Triangles for MeshPart {
+    fn triangle(&self, number: u32) -> ([Vec3; 3], u32) {
+        (self.corners(number), self.flags)
+    }
+}
+
+/// The triangles of the world's own tree.
+struct FlattenedTriangles<'a> {
+    parts: &'a [Part],
+    flattened: &'a [(u32, u32)],
+}
+
+impl Triangles for FlattenedTriangles<'_> {
+    fn triangle(&self, number: u32) -> ([Vec3; 3], u32) {
+        let (surface, triangle) = locate(self.flattened, number);
+        match &self.parts[surface as usize] {
+            Part::Mesh(part) => part.triangle(triangle),
+            Part::Analytic(..) => unreachable!("only meshes have triangles"),
+        }
+    }
 }
 
 /// Collects what goes into the world's own tree.
@@ -305,7 +323,7 @@ impl TopBuilder {
         match (part, tree) {
             (Part::Mesh(part), None) => {
                 self.flattened.push((self.triangles, surface));
-                self.references.extend(triangle_references(part, self.triangles));
+                self.references.par_extend(triangle_references(part, self.triangles));
                 self.triangles += part.mesh.triangles.len() as u32;
             }
             (Part::Mesh(part), Some(tree)) if !tree.bounds.is_empty() => {
@@ -321,6 +339,6 @@ impl TopBuilder {
     }
 
     fn other(&mut self, surface: u32, bounds: Bounds) {
-        self.references.push(Reference { bounds, item: Item::Other(surface) });
+        self.references.push(Reference::new(bounds, Item::Other(surface)));
     }
 }

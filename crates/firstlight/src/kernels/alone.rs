@@ -36,8 +36,7 @@ impl<O: Others> Walk<'_, O> {
             let search = Search { simd, ray, filter: self.filter, flags: self.flags };
             let prepared = (group.slabs_of(simd, lane), group.shear_of(simd, lane));
             let start = (self.tree, start);
-            if search
-                .walk_from::<O, ANY>(start, ray, prepared, FLATTENED, self.others, hit, stack)
+            if search.walk_from::<O, ANY>(start, ray, prepared, FLATTENED, self.others, hit, stack)
             {
                 group.t.0[lane] = if ANY { f32::NEG_INFINITY } else { hit.t };
                 changed |= 1 << lane;

@@ -134,61 +134,104 @@ impl Node {
     }
 }
 
+/// Up to eight points, told apart by their bits, so that triangles of different faces, meshes and files share them.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Vertices {
+    rows: [[f32; LANES]; 3],
+    len: u8,
+}
+
+impl Vertices {
+    const NONE: Self = Self { rows: [[0.0; LANES]; 3], len: 0 };
+
+    /// The corners of one triangle.
+    pub(crate) fn of(corners: [Vec3; 3]) -> Option<Self> {
+        let mut vertices = Self::NONE;
+        for corner in corners {
+            vertices.find_or_add(corner)?;
+        }
+        Some(vertices)
+    }
+
+    /// Those of both, if they are at most eight.
+    pub(crate) fn union(&self, other: &Self) -> Option<Self> {
+        let mut both = *self;
+        for vertex in 0..usize::from(other.len) {
+            both.find_or_add(other.get(vertex))?;
+        }
+        Some(both)
+    }
+
+    #[inline(always)]
+    fn get(&self, vertex: usize) -> Vec3 {
+        Vec3::new(self.rows[0][vertex], self.rows[1][vertex], self.rows[2][vertex])
+    }
+
+    /// The number of a point; it is added if it is new and there is room.
+    fn find_or_add(&mut self, p: Vec3) -> Option<u8> {
+        let bits = |p: Vec3| p.to_array().map(f32::to_bits);
+        let known = (0..self.len).find(|&v| bits(self.get(usize::from(v))) == bits(p));
+        if known.is_some() {
+            return known;
+        }
+        let vertex = self.len;
+        for (row, x) in self.rows.iter_mut().zip(p.to_array()) {
+            *row.get_mut(usize::from(vertex))? = x;
+        }
+        self.len += 1;
+        Some(vertex)
+    }
+}
+
 /// Up to eight triangles that share up to eight vertices: two cache lines. Unused lanes have no area.
-///
-/// Vertices are told apart by their bits, so that triangles of different faces, meshes and files share them as well.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(64))]
 pub(crate) struct TriangleBlock {
     /// x, y, z of the vertices.
-    vertices: [[f32; LANES]; 3],
+    rows: [[f32; LANES]; 3],
     /// Which vertices are the first, second and third corner of each triangle.
     pub(super) corners: [[u8; LANES]; 3],
     /// Index of the first triangle's word in [`Tree::words`].
     first_word: u32,
     triangles: u8,
-    used_vertices: u8,
+    vertices: u8,
 }
+
+const _: () = assert!(size_of::<Node>() == 256 && size_of::<TriangleBlock>() == 128);
 
 impl TriangleBlock {
     /// No triangles; the words of those to come start at `first_word`.
-    pub(crate) fn starting_at(first_word: usize) -> Self {
-        Self {
-            vertices: [[0.0; LANES]; 3],
-            corners: [[0; LANES]; 3],
-            first_word: first_word as u32,
-            triangles: 0,
-            used_vertices: 0,
-        }
+    pub(crate) fn starting_at(first_word: u32) -> Self {
+        let (rows, corners) = ([[0.0; LANES]; 3], [[0; LANES]; 3]);
+        Self { rows, corners, first_word, triangles: 0, vertices: 0 }
     }
 
     /// Adds a triangle, if there is room for it and those of its corners that are not here yet.
     pub(crate) fn add(&mut self, corners: [Vec3; 3]) -> bool {
         let lane = self.len();
-        let mut grown = self.clone();
-        for (row, corner) in grown.corners.iter_mut().zip(corners) {
-            let Some(vertex) = find_or_add(&mut grown.vertices, &mut grown.used_vertices, corner)
+        let mut vertices = Vertices { rows: self.rows, len: self.vertices };
+        for (row, corner) in self.corners.iter_mut().zip(corners) {
+            let (Some(slot), Some(vertex)) = (row.get_mut(lane), vertices.find_or_add(corner))
             else {
                 return false;
             };
-            let Some(slot) = row.get_mut(lane) else { return false };
             *slot = vertex;
         }
-        grown.triangles += 1;
-        *self = grown;
+        (self.rows, self.vertices) = (vertices.rows, vertices.len);
+        self.triangles += 1;
         true
     }
 
     /// One coordinate of each vertex.
     #[inline(always)]
     pub(super) fn row(&self, axis: Axis) -> &[f32; LANES] {
-        &self.vertices[axis as usize]
+        &self.rows[axis as usize]
     }
 
     /// Number of vertices.
     #[inline(always)]
     pub(super) fn vertex_count(&self) -> usize {
-        usize::from(self.used_vertices)
+        usize::from(self.vertices)
     }
 
     /// Number of triangles.
@@ -203,32 +246,17 @@ impl TriangleBlock {
         [self.corner(0, lane), self.corner(1, lane), self.corner(2, lane)]
     }
 
+    #[inline(always)]
+    fn corner(&self, corner: usize, lane: usize) -> Vec3 {
+        let vertex = self.corner_vertex(corner, lane);
+        Vec3::new(self.rows[0][vertex], self.rows[1][vertex], self.rows[2][vertex])
+    }
+
     /// Which vertex a corner of a triangle is.
     #[inline(always)]
     pub(super) fn corner_vertex(&self, corner: usize, lane: usize) -> usize {
         usize::from(self.corners[corner][lane]) % LANES
     }
-
-    #[inline(always)]
-    fn corner(&self, corner: usize, lane: usize) -> Vec3 {
-        let vertex = self.corner_vertex(corner, lane);
-        Vec3::new(self.vertices[0][vertex], self.vertices[1][vertex], self.vertices[2][vertex])
-    }
-}
-
-/// The number of a vertex among the first `used`; a new one if there is room.
-fn find_or_add(vertices: &mut [[f32; LANES]; 3], used: &mut u8, p: Vec3) -> Option<u8> {
-    let bits = |v: usize| [0, 1, 2].map(|axis| vertices[axis][v].to_bits());
-    let equal = |&v: &u8| bits(usize::from(v)) == p.to_array().map(f32::to_bits);
-    if let Some(vertex) = (0..*used).find(equal) {
-        return Some(vertex);
-    }
-    let vertex = *used;
-    for (row, x) in vertices.iter_mut().zip(p.to_array()) {
-        *row.get_mut(usize::from(vertex))? = x;
-    }
-    *used += 1;
-    Some(vertex)
 }
 
 /// A triangle's number in its tree, with flags.
@@ -288,8 +316,6 @@ impl Tree {
 
     /// Bytes it takes.
     pub(crate) fn memory(&self) -> usize {
-        size_of_val(&*self.nodes)
-            + size_of_val(&*self.blocks)
-            + size_of_val(&*self.words)
+        size_of_val(&*self.nodes) + size_of_val(&*self.blocks) + size_of_val(&*self.words)
     }
 }

@@ -10,5 +10,7 @@ mod traverse;
 mod triangles;
 
 pub(crate) use batch::search;
-pub(crate) use layout::{Child, Node, ONE_SIDED, PARTLY_THERE, Tree, TriangleBlock, Word};
+pub(crate) use layout::{
+    Child, Node, ONE_SIDED, PARTLY_THERE, Tree, TriangleBlock, Vertices, Word,
+};
 pub(crate) use traverse::{FLATTENED, HitFilter, Others, Search, Stack};

@@ -44,7 +44,8 @@ impl<T: Copy> Pages<T> {
 impl<T> Pages<T> {
     /// The memory of `len` items, in whole huge pages if it fills one.
     fn layout(len: usize) -> Layout {
-        let items = Layout::array::<T>(len).unwrap_or_else(|_| unreachable!("they fit into memory"));
+        let items =
+            Layout::array::<T>(len).unwrap_or_else(|_| unreachable!("they fit into memory"));
         let huge = if items.size() >= HUGE { HUGE } else { 1 };
         let layout = items.align_to(huge).map(|layout| layout.pad_to_align());
         layout.unwrap_or_else(|_| unreachable!("the alignment is a power of two"))
