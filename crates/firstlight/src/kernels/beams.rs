@@ -38,7 +38,7 @@ pub(super) struct Beams {
     /// How far each still looks.
     pub t: PerGroup,
     /// Which planes they enter and leave boxes through.
-    pub entry: EntryPlanes,
+    pub entry: &'static EntryPlanes,
 }
 
 impl Beams {
@@ -49,7 +49,7 @@ impl Beams {
         far_scale: [PerGroup::ZERO; 3],
         far: [PerGroup::ZERO; 3],
         t: PerGroup::ZERO,
-        entry: EntryPlanes { near: [Plane::LoX; 3], far: [Plane::HiX; 3] },
+        entry: &EntryPlanes { near: [Plane::LoX; 3], far: [Plane::HiX; 3] },
     };
 
     /// Sets one axis for all groups from the smallest and largest reciprocals of directions and apexes. Entries count

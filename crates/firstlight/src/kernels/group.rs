@@ -216,7 +216,7 @@ impl Group {
         simd: S,
         node: &Node,
         slot: usize,
-        entry: EntryPlanes,
+        entry: &EntryPlanes,
     ) -> u32 {
         let (mut enter, mut leave) = (simd.load(&self.t_min.0), simd.load(&self.t.0));
         for axis in 0..3 {

@@ -42,16 +42,23 @@ pub(super) struct EntryPlanes {
 impl EntryPlanes {
     /// For directions whose signs are the bits of `octant`.
     #[inline(always)]
-    pub(super) fn of(octant: u32) -> Self {
-        let lo = [Plane::LoX, Plane::LoY, Plane::LoZ];
-        let hi = [Plane::HiX, Plane::HiY, Plane::HiZ];
-        let (mut near, mut far) = (lo, hi);
-        for axis in 0..3 {
-            if octant >> axis & 1 == 1 {
-                (near[axis], far[axis]) = (hi[axis], lo[axis]);
+    pub(super) fn of(octant: u32) -> &'static Self {
+        const OCTANTS: [EntryPlanes; 8] = {
+            let lo = [Plane::LoX, Plane::LoY, Plane::LoZ];
+            let hi = [Plane::HiX, Plane::HiY, Plane::HiZ];
+            let mut octants = [EntryPlanes { near: lo, far: hi }; 8];
+            let mut i = 0;
+            while i < 3 * 8 {
+                let (octant, axis) = (i / 3, i % 3);
+                if octant >> axis & 1 == 1 {
+                    octants[octant].near[axis] = hi[axis];
+                    octants[octant].far[axis] = lo[axis];
+                }
+                i += 1;
             }
-        }
-        Self { near, far }
+            octants
+        };
+        &OCTANTS[octant as usize % 8]
     }
 }
 

@@ -37,7 +37,7 @@ pub(super) struct Tile<S: Simd> {
     simd: S,
     groups: [Group; GROUPS],
     beams: Beams,
-    entry: EntryPlanes,
+    entry: &'static EntryPlanes,
     stack: [Entry; STACK],
     len: usize,
     /// For rays that go on alone.

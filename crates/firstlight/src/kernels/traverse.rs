@@ -135,7 +135,9 @@ impl<S: Simd> Search<'_, S> {
         let mut next = Some(start);
         while let Some(child) = next {
             next = match child.target() {
-                Target::Node(index) => slabs.enter::<ANY>(&tree.nodes[index], hit.t, stack, base),
+                Target::Node(index) => {
+                    slabs.enter::<ANY>(tree, &tree.nodes[index], hit.t, stack, base)
+                }
                 Target::Block(index) => {
                     let block = &tree.blocks[index];
                     found |= self.meet(tree, block, ray, &shear, surface, hit);
@@ -184,7 +186,7 @@ pub(super) struct Slabs<S: Simd> {
     pub scale: [S::F; 3],
     pub near: [S::F; 3],
     pub far: [S::F; 3],
-    pub entry: EntryPlanes,
+    pub entry: &'static EntryPlanes,
     pub t_min: S::F,
     pub simd: S,
 }
@@ -224,6 +226,7 @@ impl<S: Simd> Slabs<S> {
     #[inline(always)]
     pub(super) fn enter<const ANY: bool>(
         &self,
+        tree: &Tree,
         node: &Node,
         t: f32,
         stack: &mut Stack,
@@ -248,6 +251,7 @@ impl<S: Simd> Slabs<S> {
         while met != 0 {
             let slot = met.trailing_zeros() as usize % LANES;
             met &= met - 1;
+            tree.prefetch(self.simd, node.children[slot]);
             if ANY {
                 stack.push(node.children[slot], enter[slot]);
             } else {

@@ -6,11 +6,11 @@
 #![allow(unsafe_code)]
 
 use std::alloc::{Layout, alloc, dealloc, handle_alloc_error};
+use std::fmt::{Debug, Formatter};
 use std::ops::Deref;
 use std::ptr::NonNull;
 
 /// A slice that does not change, aligned to huge pages if it fills some.
-#[derive(Debug)]
 pub(crate) struct Pages<T> {
     start: NonNull<T>,
     len: usize,
@@ -70,6 +70,12 @@ impl<T> Deref for Pages<T> {
     fn deref(&self) -> &[T] {
         // SAFETY: `start` is aligned and valid for `len` items, which were copied there and do not change.
         unsafe { std::slice::from_raw_parts(self.start.as_ptr(), self.len) }
+    }
+}
+
+impl<T: Debug> Debug for Pages<T> {
+    fn fmt(&self, f: &mut Formatter) -> std::fmt::Result {
+        (**self).fmt(f)
     }
 }
 
