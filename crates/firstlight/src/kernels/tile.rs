@@ -83,7 +83,7 @@ impl<S: Simd> Tile<S> {
     fn load<O, const ANY: bool>(&mut self, walk: &Walk<O>, known: bool) {
         let chunks = walk.rays.chunks(LANES).zip(walk.hits.chunks(LANES));
         for (group, (rays, hits)) in self.groups.iter_mut().zip(chunks) {
-            match rays.as_array() {
+            match rays.first_chunk() {
                 Some(rays) => group.load(self.simd, walk.tree.reach, rays),
                 None => group.load_some(self.simd, walk.tree.reach, rays),
             }
