@@ -44,4 +44,28 @@ impl<O: Others> Walk<'_, O> {
         }
         changed
     }
+
+    /// Brings rays of group `g` to a surface that is not triangles. Returns whether a hit was replaced.
+    #[inline(always)]
+    pub(super) fn visit<S: Simd, const ANY: bool>(
+        &mut self,
+        simd: S,
+        (g, group): (usize, &mut Group),
+        mut lanes: u32,
+        surface: u32,
+        stack: &mut Stack,
+    ) -> bool {
+        let mut changed = false;
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize % LANES;
+            lanes &= lanes - 1;
+            let (ray, hit) = (&self.rays[LANES * g + lane], &mut self.hits[LANES * g + lane]);
+            let search = Search { simd, ray, filter: self.filter, flags: self.flags };
+            if self.others.visit::<S, ANY>(&search, surface, hit, stack) {
+                group.t.0[lane] = if ANY { f32::NEG_INFINITY } else { hit.t };
+                changed = true;
+            }
+        }
+        changed
+    }
 }

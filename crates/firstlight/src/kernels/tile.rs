@@ -157,9 +157,13 @@ impl<S: Simd> Tile<S> {
                     let block = &walk.tree.blocks[index];
                     self.each_triangle::<O, ANY>(g, lanes, block, walk)
                 }
-                Target::Node(_) | Target::Other(_) => {
+                Target::Node(_) => {
                     let group = (g, &mut self.groups[g]);
                     walk.alone::<S, ANY>(self.simd, group, lanes, child, &mut self.single) != 0
+                }
+                Target::Other(surface) => {
+                    let group = (g, &mut self.groups[g]);
+                    walk.visit::<S, ANY>(self.simd, group, lanes, surface, &mut self.single)
                 }
             };
             if changed {
