@@ -4,7 +4,7 @@ use crate::film::{FilterSampler, Tile, assemble};
 use crate::geometry::Ray;
 use crate::image::Image;
 use crate::integrator::{Direct, RayCounts, Scratch};
-use crate::sampler::camera_sample;
+use crate::sampler::Sampler;
 use crate::scene::Scene;
 use crate::simd::{Kernel, Simd};
 use glam::Vec2;
@@ -63,6 +63,10 @@ pub struct Rendered {
     /// Column and row of the first pixel (in tile order) with a dropped sample.
     pub first_dropped: Option<[u32; 2]>,
 }
+
+/// Dimensions of a sample: the place around the pixel's centre, and on the lens.
+const FILM: u32 = 0;
+const LENS: u32 = 1;
 
 /// Samples per pixel in one pass over the picture.
 const PASS: u32 = 4;
@@ -200,15 +204,16 @@ impl Kernel for TilePass<'_> {
     fn run<S: Simd>(self, _: S) {
         let Self { render, tile, samples, worker } = self;
         let (camera, film) = (render.scene.camera(), render.scene.film());
+        let sampler = Sampler::new(film.seed, film.samples);
         worker.rays.clear();
         worker.places.clear();
         for index in 0..tile.pixels.len() {
             let [x, y] = tile.place(index);
             let center = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
             for sample in samples.clone() {
-                let sample = camera_sample(x, y, sample, film.seed);
-                let (shift, weight) = render.filter.place(sample.film);
-                worker.rays.push(camera.ray(center + shift, sample.lens));
+                let points = sampler.points(x, y, sample);
+                let (shift, weight) = render.filter.place(points.pair(FILM));
+                worker.rays.push(camera.ray(center + shift, points.pair(LENS)));
                 worker.places.push((index, weight));
             }
         }
