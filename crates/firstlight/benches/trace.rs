@@ -34,7 +34,7 @@ fn main() {
                 let options = RenderOptions { threads, ..RenderOptions::default() };
                 let done = render(&built, &options, &|_| ControlFlow::Continue(()));
                 draw.push(start.elapsed().as_secs_f64());
-                rays = done.rays.camera + done.rays.shadow;
+                rays = done.rays.total();
             }
             let (build, draw) = (median(build), median(draw));
             let speed = rays as f64 / draw / 1e6;

@@ -53,15 +53,15 @@ impl MaterialKeys {
         let Self::Lambert(keys) = self;
         let matte = Material::matte(name, Rgb::splat(0.5));
         Ok(Material {
-            reflectance: pictures.texture(keys.reflectance)?.unwrap_or(matte.reflectance),
+            reflectance: pictures.texture(keys.reflectance)?.unwrap_or(matte.reflectance.clone()),
             ambient_reflectance: pictures.texture(keys.ambient_reflectance)?,
-            emission: pictures.texture(keys.emission)?.unwrap_or(matte.emission),
+            emission: pictures.texture(keys.emission)?.unwrap_or(matte.emission.clone()),
             alpha: match keys.alpha_cutoff {
                 Some(Fraction(cutoff)) => Alpha::Mask { cutoff: cutoff as f32 },
                 None => Alpha::Opaque,
             },
             double_sided: keys.double_sided.unwrap_or(true),
-            name: matte.name,
+            ..matte
         })
     }
 }

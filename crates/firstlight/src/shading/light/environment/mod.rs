@@ -1,10 +1,5 @@
 //! Light from directions that hit nothing: what comes from where, and where it pays to look.
 
-#![cfg_attr(
-    not(test),
-    expect(dead_code, unused_imports, reason = "until the path integrator asks")
-)]
-
 mod sun;
 mod table;
 #[cfg(test)]
@@ -14,11 +9,10 @@ pub(crate) use sun::Sun;
 pub(crate) use table::Aim;
 
 use crate::color::{Rgb, luminance};
-use crate::scene::description::{Pixels, Sampling, Wrap};
+use crate::scene::description::{Pixels, Sampling, Sky, Wrap};
 use crate::shading::texture::{look_up, texel};
 use glam::{DVec3, Mat3, Vec2, Vec3, Vec4Swizzles};
 use std::f32::consts::FRAC_1_PI;
-use std::sync::Arc;
 use table::DirectionTable;
 
 /// An infinitely large sphere of light around everything.
@@ -31,17 +25,6 @@ pub(crate) struct Environment {
     to_sky: Mat3,
     /// Where to look; `None` where every direction is as good as another.
     table: Option<DirectionTable>,
-}
-
-/// What light comes from where, W·sr⁻¹·m⁻² before the environment's factor.
-#[derive(Debug, Clone)]
-pub(crate) enum Sky {
-    /// The same from everywhere.
-    Uniform,
-    /// Straight from one colour to the next with the sine of the elevation.
-    Gradient { zenith: Rgb, horizon: Rgb, nadir: Rgb },
-    /// A lat-long picture: zenith in the first row, north in the middle, east to its right.
-    Picture { pixels: Arc<Pixels>, sampling: Sampling },
 }
 
 /// A direction of the environment that chance picked.
@@ -58,20 +41,20 @@ pub(crate) struct EnvironmentSample {
 impl Environment {
     /// `to_sky` turns the world into the sky's own space; `factor` multiplies its radiance.
     pub(crate) fn new(sky: Sky, factor: Rgb, to_sky: Mat3, aim: Aim) -> Self {
-        let table = sky.table(aim);
+        let table = table_of(&sky, aim);
         Self { sky, factor, to_sky, table }
     }
 
     /// What comes from the unit direction `incoming`, W·sr⁻¹·m⁻².
     pub(crate) fn radiance(&self, incoming: Vec3) -> Rgb {
-        self.factor * self.sky.radiance(self.to_sky * incoming)
+        self.factor * radiance(&self.sky, self.to_sky * incoming)
     }
 
     /// A direction picked by two numbers in 0..1, bright ones more often; `None` if no direction is to be preferred.
     pub(crate) fn sample(&self, u: Vec2) -> Option<EnvironmentSample> {
         let (own, pdf) = self.table.as_ref()?.sample(u.as_dvec2());
         let incoming = self.to_sky.transpose() * own.as_vec3();
-        let radiance = self.factor * self.sky.radiance(own.as_vec3());
+        let radiance = self.factor * radiance(&self.sky, own.as_vec3());
         Some(EnvironmentSample { incoming, radiance, pdf: pdf as f32 })
     }
 
@@ -82,31 +65,26 @@ impl Environment {
     }
 }
 
-impl Sky {
-    /// What comes from the unit direction `from` in its own space.
-    fn radiance(&self, from: Vec3) -> Rgb {
-        match self {
-            Self::Uniform => Rgb::ONE,
-            Self::Gradient { zenith, horizon, nadir } => {
-                horizon.lerp(if from.z > 0.0 { *zenith } else { *nadir }, from.z.abs())
-            }
-            Self::Picture { pixels, sampling } => {
-                look_up(pixels, on_picture(from), [Wrap::Repeat, Wrap::Clamp], *sampling).xyz()
-            }
+/// What comes from the unit direction `from` in the sky's own space.
+fn radiance(sky: &Sky, from: Vec3) -> Rgb {
+    match sky {
+        Sky::Uniform => Rgb::ONE,
+        Sky::Gradient { zenith, horizon, nadir } => {
+            horizon.lerp(if from.z > 0.0 { *zenith } else { *nadir }, from.z.abs())
+        }
+        Sky::Picture { pixels, sampling } => {
+            look_up(pixels, on_picture(from), [Wrap::Repeat, Wrap::Clamp], *sampling).xyz()
         }
     }
+}
 
-    /// Where to look for light.
-    fn table(&self, aim: Aim) -> Option<DirectionTable> {
-        match self {
-            Self::Uniform => DirectionTable::new(1, 1, aim, |_, _| 1.0),
-            Self::Gradient { .. } => DirectionTable::of(1, 64, aim, |from| self.brightness(from)),
-            Self::Picture { pixels, sampling } => of_picture(pixels, *sampling, aim),
-        }
-    }
-
-    fn brightness(&self, from: DVec3) -> f64 {
-        f64::from(luminance(self.radiance(from.as_vec3())))
+/// Where to look for light.
+fn table_of(sky: &Sky, aim: Aim) -> Option<DirectionTable> {
+    let brightness = |from: DVec3| f64::from(luminance(radiance(sky, from.as_vec3())));
+    match sky {
+        Sky::Uniform => DirectionTable::new(1, 1, aim, |_, _| 1.0),
+        Sky::Gradient { .. } => DirectionTable::of(1, 64, aim, brightness),
+        Sky::Picture { pixels, sampling } => of_picture(pixels, *sampling, aim),
     }
 }
 

@@ -5,6 +5,7 @@ use crate::scene::description::Texels;
 use crate::testing::{Random, chi_squared_z};
 use glam::{DVec2, DVec3, Vec4};
 use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
 fn picture(width: u32, height: u32, texel: impl Fn(u32, u32) -> f32) -> Arc<Pixels> {
     let at = |i: u32| Vec4::splat(texel(i % width, i / width)).to_array();

@@ -1,8 +1,9 @@
 //! Disks, and what affine maps make of them: sampled by area.
 
 use super::ShapeSample;
+use crate::math::concentric;
 use glam::{DAffine3, DVec2, DVec3};
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+use std::f64::consts::PI;
 
 /// The unit disk in z = 0 under an affine map.
 #[derive(Debug, Clone, Copy)]
@@ -40,19 +41,4 @@ impl EllipticDisk {
     pub(super) fn area(&self) -> f64 {
         self.area
     }
-}
-
-/// The square 0..1 mapped onto the unit disk ring by ring, which keeps areas and neighbours.
-///
-/// Shirley & Chiu, *A Low Distortion Map Between Disk and Square*, 1997.
-fn concentric(u: DVec2) -> DVec2 {
-    let square = 2.0 * u - 1.0;
-    let (radius, angle) = if square.x.abs() > square.y.abs() {
-        (square.x, FRAC_PI_4 * (square.y / square.x))
-    } else if square.y != 0.0 {
-        (square.y, FRAC_PI_2 - FRAC_PI_4 * (square.x / square.y))
-    } else {
-        (0.0, 0.0)
-    };
-    radius * DVec2::from_angle(angle)
 }

@@ -4,8 +4,6 @@
 //! evenly over what is seen as the shape allows; `pdf` is the same density asked the other way round, for a point
 //! that a ray met. Neither knows what stands in between.
 
-#![cfg_attr(not(test), expect(dead_code, reason = "until the path integrator asks"))]
-
 mod cylinder;
 mod disk;
 mod ellipsoid;
@@ -76,6 +74,7 @@ impl LightShape {
     }
 
     /// Its area, one side, m².
+    #[cfg_attr(not(test), expect(dead_code, reason = "until lights are given by their power"))]
     pub(crate) fn area(&self) -> f64 {
         match self {
             Self::Ellipsoid(shape) => shape.area(),

@@ -8,7 +8,7 @@
 //! over both.
 
 use super::ShapeSample;
-use glam::{DVec2, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 
 /// A triangle.
 #[derive(Debug, Clone, Copy)]
@@ -56,9 +56,15 @@ impl Triangle {
 }
 
 impl Parallelogram {
-    /// The parallelogram with this corner and these edges from there; its front is where their product points.
-    pub(crate) fn new(corner: DVec3, edges: [DVec3; 2]) -> Self {
-        Self { corner, edges }
+    /// The unit square 0..1 in z = 0, its front up, under `to_world`.
+    pub(crate) fn new(to_world: &DAffine3) -> Self {
+        let axes = to_world.matrix3;
+        let mut edges = [axes.x_axis, axes.y_axis];
+        // Its front is where the product of its edges points; a mirror would turn it round.
+        if axes.determinant() < 0.0 {
+            edges.reverse();
+        }
+        Self { corner: to_world.translation, edges }
     }
 
     pub(super) fn sample(&self, from: DVec3, u: DVec2) -> Option<ShapeSample> {

@@ -91,10 +91,7 @@ impl Charted {
                 (LightShape::Ellipsoid(Ellipsoid::new(&to_world)), chart)
             }
             "disk" => (LightShape::Disk(EllipticDisk::new(&to_world)), Chart::Disk),
-            "square" => {
-                let quad = Parallelogram::new(corner, [m.x_axis, m.y_axis]);
-                (LightShape::Parallelogram(quad), Chart::Square)
-            }
+            "square" => (LightShape::Parallelogram(Parallelogram::new(&to_world)), Chart::Square),
             "triangle" => {
                 let triangle = Triangle::new([corner, corner + m.x_axis, corner + m.y_axis]);
                 (LightShape::Triangle(triangle), Chart::Triangle)
@@ -161,9 +158,9 @@ impl Charted {
         assert!((sample.incoming.length() - 1.0).abs() < 1e-12);
         let unit = self.to_world.inverse().transform_point3(sample.position);
         let normal = self.to_world.matrix3.inverse().transpose() * self.chart.normal(unit);
-        // Polygons take their front from the order of their corners, which mirrors turn round.
-        let is_polygon = matches!(self.chart, Chart::Square | Chart::Triangle);
-        let side = if is_polygon { self.to_world.matrix3.determinant().signum() } else { 1.0 };
+        // Triangles take their front from the order of their corners, which mirrors turn round.
+        let is_triangle = matches!(self.chart, Chart::Triangle);
+        let side = if is_triangle { self.to_world.matrix3.determinant().signum() } else { 1.0 };
         assert!((side * normal.normalize()).distance(sample.normal) < 1e-6);
         let pdf = self.shape.pdf(from, sample.position);
         assert!((pdf / sample.pdf - 1.0).abs() < 1e-9, "{pdf} is not {}", sample.pdf);
@@ -271,8 +268,10 @@ fn sphere(center: DVec3, radius: f64) -> LightShape {
 }
 
 fn rectangle(center: DVec3, width: f64, depth: f64) -> LightShape {
-    let edges = [DVec3::X * width, DVec3::Y * depth];
-    LightShape::Parallelogram(Parallelogram::new(center - 0.5 * (edges[0] + edges[1]), edges))
+    let scale = DVec3::new(width, depth, 1.0);
+    let corner = center - 0.5 * scale.with_z(0.0);
+    let map = DAffine3::from_mat3_translation(DMat3::from_diagonal(scale), corner);
+    LightShape::Parallelogram(Parallelogram::new(&map))
 }
 
 fn disk(center: DVec3, radius: f64) -> LightShape {
