@@ -152,7 +152,7 @@ pub(super) fn part(
 
 /// What traversal has to ask about surfaces of this material.
 fn flags(material: &Material) -> u32 {
-    let one_sided = if material.double_sided { 0 } else { ONE_SIDED };
+    let one_sided = if material.double_sided && material.visible { 0 } else { ONE_SIDED };
     let partly_there = if material.alpha == Alpha::Opaque { 0 } else { PARTLY_THERE };
     one_sided | partly_there
 }

@@ -1,7 +1,7 @@
 //! Lights that have an extent: which surfaces emit, and what.
 
 use super::Scene;
-use super::description::{Alpha, EnvironmentDescription, Material};
+use super::description::{Alpha, EnvironmentDescription, Material, SceneDescription, Surface};
 use crate::bvh::{MeshPart, Part, World};
 use crate::color::Rgb;
 use crate::geometry::{Hit, Ray};
@@ -47,6 +47,17 @@ fn triangles(part: &MeshPart) -> Vec<Option<LightShape>> {
         Some(LightShape::Triangle(Triangle::new(if turned { [a, c, b] } else { [a, b, c] })))
     };
     (0..part.mesh.triangles.len() as u32).map(triangle).collect()
+}
+
+impl SceneDescription {
+    /// Area of a surface, one side, m²; `None` if it has no end, or is a part of a cone.
+    pub(crate) fn emitting_area(&self, surface: &Surface) -> Option<f64> {
+        let shapes = match super::build::part(self, surface, &|_| false) {
+            Part::Analytic(shape, _) => shapes(&shape),
+            Part::Mesh(part) => triangles(&part),
+        };
+        shapes.iter().map(|shape| shape.as_ref().map(LightShape::area)).sum()
+    }
 }
 
 /// The environment, ready to be sampled where other techniques look for it too.

@@ -25,6 +25,8 @@ pub struct Material {
     pub alpha: Alpha,
     /// Whether the back of the surface can be seen; otherwise camera rays pass through it.
     pub double_sided: bool,
+    /// Whether the camera sees the surface at all.
+    pub visible: bool,
 }
 
 impl Material {
@@ -39,6 +41,7 @@ impl Material {
             emits_behind: true,
             alpha: Alpha::Opaque,
             double_sided: true,
+            visible: true,
         }
     }
 }

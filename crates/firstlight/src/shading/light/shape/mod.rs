@@ -74,7 +74,6 @@ impl LightShape {
     }
 
     /// Its area, one side, m².
-    #[cfg_attr(not(test), expect(dead_code, reason = "until lights are given by their power"))]
     pub(crate) fn area(&self) -> f64 {
         match self {
             Self::Ellipsoid(shape) => shape.area(),
