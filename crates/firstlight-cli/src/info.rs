@@ -70,7 +70,7 @@ fn quantity(light: &Light) -> (&'static str, Dimension, Rgb) {
     match light {
         Light::Point { intensity, .. } => ("point", Dimension::Intensity, *intensity),
         Light::Spot { intensity, .. } => ("spot", Dimension::Intensity, *intensity),
-        Light::Directional { irradiance, .. } => {
+        Light::Directional { irradiance, .. } | Light::Sun { irradiance, .. } => {
             ("directional", Dimension::Irradiance, *irradiance)
         }
         Light::Ambient { radiance } => ("ambient", Dimension::Radiance, *radiance),

@@ -204,7 +204,7 @@ impl Done<'_> {
 
     fn rays_per_second(&self) -> f64 {
         let rays = self.picture.rendered.rays;
-        (rays.camera + rays.shadow) as f64 / self.clock.seconds("render").max(1e-9)
+        rays.total() as f64 / self.clock.seconds("render").max(1e-9)
     }
 
     /// `wrote out.png: 1280×720, 16 spp, 1.2 s, 23 Mrays/s`.
@@ -231,7 +231,11 @@ impl Done<'_> {
             "samples": rendered.samples,
             "interrupted": rendered.interrupted,
             "seconds": self.clock.json(),
-            "rays": { "camera": rendered.rays.camera, "shadow": rendered.rays.shadow },
+            "rays": {
+                "camera": rendered.rays.camera,
+                "bounce": rendered.rays.bounce,
+                "shadow": rendered.rays.shadow,
+            },
             "rays_per_second": self.rays_per_second(),
             "memory": {
                 "peak_bytes": machine::peak_memory(),

@@ -84,7 +84,7 @@ impl Bar {
         if self.0.is_hidden() {
             return;
         }
-        let rays = (progress.rays.camera + progress.rays.shadow) as f64;
+        let rays = progress.rays.total() as f64;
         let seconds = self.0.elapsed().as_secs_f64();
         self.0.set_message(format!("{:.1} Mrays/s", rays / seconds.max(1e-6) / 1e6));
         self.0.set_position((progress.done * Self::STEPS as f64) as u64);

@@ -35,7 +35,9 @@ pub(crate) fn unlit(scene: &SceneDescription) -> Option<Diagnostic> {
         let emission = scene.materials.get(material).map(|material| material.emission.factor);
         emission.is_some_and(|[r, g, b, _]| r.max(g).max(b) > 0.0)
     };
-    let dark = scene.lights.is_empty() && !scene.surfaces.iter().any(|s| emits(s.material));
+    let dark = scene.lights.is_empty()
+        && scene.environment.is_none()
+        && !scene.surfaces.iter().any(|s| emits(s.material));
     (dark && !scene.surfaces.is_empty()).then(|| {
         Diagnostic::new("", "there are no lights, and nothing emits light: all surfaces are black")
             .help("add a light, such as -D 'lights.head.camera.irradiance=3' for one at the camera")

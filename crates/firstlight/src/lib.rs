@@ -62,7 +62,7 @@ pub use camera::Camera;
 pub use film::auto_exposure;
 pub use geometry::{Hit, Ray, solid_angle};
 pub use image::Image;
-pub use integrator::{Measurement, RayCounts};
+pub use integrator::{Measurement, Meter, RayCounts};
 pub use io::{FileAccess, load};
 pub use scene::Scene;
 pub use scene::description::SceneDescription;

@@ -3,8 +3,8 @@
 use crate::film::{FilterSampler, Tile, assemble};
 use crate::geometry::Ray;
 use crate::image::Image;
-use crate::integrator::{Direct, RayCounts, Scratch};
-use crate::sampler::camera_sample;
+use crate::integrator::{FILM, Gatherer, LENS, RayCounts};
+use crate::sampler::{PathPoints, Sampler};
 use crate::scene::Scene;
 use crate::simd::{Kernel, Simd};
 use glam::Vec2;
@@ -160,8 +160,8 @@ impl<'a> Render<'a> {
     fn report(&self, worker: &mut Worker, work: u64) {
         let mut tally = self.tally();
         tally.tiles += 1;
-        tally.rays += std::mem::take(&mut worker.scratch.counts);
-        let (surface_rays, brightest) = worker.scratch.seen();
+        tally.rays += worker.gatherer.take_counts();
+        let (surface_rays, brightest) = worker.gatherer.seen(self.scene);
         tally.surface_rays += surface_rays;
         tally.brightest = tally.brightest.max(brightest);
         if let Some((place, count)) = worker.dropped.take() {
@@ -200,22 +200,26 @@ impl Kernel for TilePass<'_> {
     fn run<S: Simd>(self, _: S) {
         let Self { render, tile, samples, worker } = self;
         let (camera, film) = (render.scene.camera(), render.scene.film());
+        let sampler = Sampler::new(film.seed, film.samples);
         worker.rays.clear();
+        worker.points.clear();
         worker.places.clear();
         for index in tile.order() {
             let [x, y] = tile.place(index);
             let center = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
             for sample in samples.clone() {
-                let sample = camera_sample(x, y, sample, film.seed);
-                let (shift, weight) = render.filter.place(sample.film);
-                worker.rays.push(camera.ray(center + shift, sample.lens));
+                let points = sampler.points(x, y, sample);
+                let (shift, weight) = render.filter.place(points.pair(FILM));
+                worker.rays.push(camera.ray(center + shift, points.pair(LENS)));
+                worker.points.push(points);
                 worker.places.push((index, weight));
             }
         }
-        Direct::new(render.scene, film.transparent).gather(&worker.rays, &mut worker.scratch);
-        for (sample, &(index, weight)) in worker.scratch.samples.iter().zip(&worker.places) {
+        let Worker { rays, points, places, gatherer, dropped } = &mut *worker;
+        let samples = gatherer.gather(render.scene, film.transparent, rays, points);
+        for (sample, &(index, weight)) in samples.iter().zip(&*places) {
             if !tile.pixels[index].add(sample, weight) {
-                worker.dropped.get_or_insert((tile.place(index), 0)).1 += 1;
+                dropped.get_or_insert((tile.place(index), 0)).1 += 1;
             }
         }
     }
@@ -225,9 +229,11 @@ impl Kernel for TilePass<'_> {
 #[derive(Default)]
 struct Worker {
     rays: Vec<Ray>,
+    /// What decides about each ray's path.
+    points: Vec<PathPoints>,
     /// Pixel and filter weight of each ray.
     places: Vec<(usize, f32)>,
-    scratch: Scratch,
+    gatherer: Gatherer,
     /// First pixel with a dropped sample, and how many were dropped.
     dropped: Option<([u32; 2], u64)>,
 }

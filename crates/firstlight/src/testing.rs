@@ -38,6 +38,32 @@ impl Random {
     }
 }
 
+/// How far counts are from the shares of a whole that they are expected to be, in standard deviations: Pearson's χ²,
+/// made normal as Wilson & Hilferty 1931 do. Above 4.5, chance is ruled out. Cells that expect little are put together.
+pub(crate) fn chi_squared_z(counts: &[u64], shares: &[f64]) -> f64 {
+    const LEAST: f64 = 5.0;
+    let samples = counts.iter().sum::<u64>() as f64;
+    let (mut sum, mut cells) = (0.0, 0.0);
+    let mut pooled = (0.0, 0.0);
+    let mut cell = |(count, expected): (f64, f64)| {
+        sum += (count - expected) * (count - expected) / expected;
+        cells += 1.0;
+    };
+    for (&count, share) in counts.iter().zip(shares) {
+        let here = (count as f64, share * samples);
+        if here.1 >= LEAST { cell(here) } else { pooled = (pooled.0 + here.0, pooled.1 + here.1) }
+    }
+    if pooled.1 >= LEAST {
+        cell(pooled);
+    } else {
+        // Hardly anything is expected there, so hardly anything may be there.
+        assert!(pooled.0 <= 25.0, "{} samples where {} are expected", pooled.0, pooled.1);
+    }
+    let freedom = cells - 1.0;
+    let spread = 2.0 / (9.0 * freedom);
+    ((sum / freedom).cbrt() - (1.0 - spread)) / spread.sqrt()
+}
+
 /// A sphere of triangles: an icosahedron, each triangle cut into four `levels` times, with smooth normals.
 pub(crate) fn icosphere(levels: u32) -> Mesh {
     let g = f64::midpoint(1.0, 5_f64.sqrt());

@@ -41,6 +41,19 @@ enum Kind {
     Cone { capped: bool },
 }
 
+/// Unit shapes that the surfaces of analytic shapes are made of, up to an affine map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Piece {
+    /// x² + y² + z² = 1.
+    Sphere,
+    /// z = 0, x² + y² ≤ 1, its front up.
+    Disk,
+    /// z = 0, x and y in 0..1, its front up.
+    Square,
+    /// x² + y² = 1, z in 0..1, its front out.
+    CylinderSide,
+}
+
 /// Up to three crossings of a line with a shape, nearest first: (distance, part).
 type Crossings = [Option<(f64, u32)>; 3];
 
@@ -135,6 +148,29 @@ impl Analytic {
         let extent = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length());
         let at_center = DAffine3::from_translation(self.to_world.translation);
         Bounds::of_mapped(-extent, extent, &at_center)
+    }
+
+    /// The parts of its surface by their numbers, each with the map from its unit shape to the world; `None` for what
+    /// is no such shape: planes without end and the sides of cones.
+    pub(crate) fn pieces(&self) -> Vec<Option<(Piece, DAffine3)>> {
+        let bottom = DAffine3::from_scale(DVec3::new(1.0, 1.0, -1.0));
+        let bottom = |capped: bool| capped.then_some((Piece::Disk, bottom));
+        let top = (Piece::Disk, DAffine3::from_translation(DVec3::Z));
+        let whole = |piece| vec![Some((piece, DAffine3::IDENTITY))];
+        let mut pieces = match self.kind {
+            Kind::Plane => vec![None],
+            Kind::Sphere => whole(Piece::Sphere),
+            Kind::Disk => whole(Piece::Disk),
+            Kind::Quad => whole(Piece::Square),
+            Kind::Cube => (0..6).map(|face| Some((Piece::Square, cube_face(face)))).collect(),
+            Kind::Cylinder { capped: false } => whole(Piece::CylinderSide),
+            Kind::Cylinder { capped: true } => {
+                vec![Some((Piece::CylinderSide, DAffine3::IDENTITY)), bottom(true), Some(top)]
+            }
+            Kind::Cone { capped } => vec![None, bottom(capped)],
+        };
+        pieces.iter_mut().flatten().for_each(|(_, map)| *map = self.to_world * *map);
+        pieces
     }
 
     /// Crossings of the ray's line inside the ray's range, nearest first, as (distance, part).
@@ -287,6 +323,14 @@ fn cube_point(p: DVec3, face: u32) -> (DVec3, DVec3, DVec2) {
     normal[axis] = 2.0 * side - 1.0;
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     (point, normal, DVec2::new(point[u], point[v]))
+}
+
+/// From the unit square to a face of the unit cube, +z outward.
+fn cube_face(face: usize) -> DAffine3 {
+    let (axis, side) = (face / 2, (face % 2) as f64);
+    let unit = |axis: usize| DMat3::IDENTITY.col(axis % 3);
+    let axes = DMat3::from_cols(unit(axis + 1), unit(axis + 2), (2.0 * side - 1.0) * unit(axis));
+    DAffine3::from_mat3_translation(axes, side * unit(axis))
 }
 
 fn cylinder_side(o: DVec3, d: DVec3) -> Option<[f64; 2]> {
@@ -446,6 +490,37 @@ mod tests {
                     }
                 }
                 assert!(count > 100, "{:?} was hit {count} times", shape.kind);
+            }
+        }
+    }
+
+    /// A point of a piece is a point of the part that it stands for, with the normal on the same side.
+    #[test]
+    fn pieces_cover_the_parts() {
+        for transform in
+            [DAffine3::IDENTITY, skewed(), skewed() * DAffine3::from_scale(-DVec3::ONE)]
+        {
+            for shape in every_shape(&transform) {
+                for (part, piece) in shape.pieces().into_iter().enumerate() {
+                    let Some((piece, map)) = piece else { continue };
+                    let (at, up) = match piece {
+                        Piece::Sphere | Piece::CylinderSide => (DVec3::Y, DVec3::Y),
+                        Piece::Disk | Piece::Square => (DVec3::new(0.1, 0.7, 0.0), DVec3::Z),
+                    };
+                    let (at, outward) =
+                        (map.transform_point3(at), map.matrix3.inverse().transpose() * up);
+                    let ray =
+                        Ray::new((at + 1e-3 * outward).as_vec3(), -outward.normalize().as_vec3());
+                    let (t, met) = shape.crossings(&ray).next().expect("the piece is there");
+                    assert_eq!(met as usize, part, "{:?}", shape.kind);
+                    let point = shape.point(&ray, t, met);
+                    assert!(point.position.distance(at) < 1e-5, "{:?} {part}", shape.kind);
+                    assert!(
+                        point.normal.dot(outward.normalize()) > 0.999_999,
+                        "{:?} {part}",
+                        shape.kind
+                    );
+                }
             }
         }
     }

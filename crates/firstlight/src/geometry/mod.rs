@@ -5,7 +5,7 @@ mod bounds;
 mod ray;
 pub(crate) mod triangle;
 
-pub(crate) use analytic::Analytic;
+pub(crate) use analytic::{Analytic, Piece};
 pub(crate) use bounds::Bounds;
 pub use ray::Hit;
 pub use ray::Ray;

@@ -20,13 +20,23 @@ use std::ops::AddAssign;
 pub struct RayCounts {
     /// From the camera.
     pub camera: u64,
+    /// From surface to surface.
+    pub bounce: u64,
     /// Towards lights.
     pub shadow: u64,
+}
+
+impl RayCounts {
+    /// All of them.
+    pub fn total(&self) -> u64 {
+        self.camera + self.bounce + self.shadow
+    }
 }
 
 impl AddAssign for RayCounts {
     fn add_assign(&mut self, other: Self) {
         self.camera += other.camera;
+        self.bounce += other.bounce;
         self.shadow += other.shadow;
     }
 }
@@ -151,7 +161,7 @@ impl<'a> Direct<'a> {
                 Some(texture) => self.scene.evaluate(texture, &surface).xyz(),
                 None => reflectance,
             };
-            let emitted = self.scene.evaluate(&material.emission, &surface).xyz();
+            let emitted = self.scene.emitted(material, &surface);
             let radiance = emitted + ambient_reflectance * self.scene.ambient;
             samples.push(Sample { radiance, alpha: 1.0 });
             points.push(Point {

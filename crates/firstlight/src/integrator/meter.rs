@@ -1,11 +1,16 @@
 //! The light meter: single quantities with their error, through the stages of a render.
 
-use super::{Direct, Scratch};
+use super::direct::{self, Direct};
+use super::path::{self, Path};
 use crate::color::Rgb;
+use crate::film::Sample;
 use crate::geometry::Ray;
+use crate::math::hash;
+use crate::sampler::{PathPoints, Sampler};
 use crate::scene::Scene;
-use crate::scene::description::Alpha;
+use crate::scene::description::{Alpha, Integrator};
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// A measured quantity per colour channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,44 +23,121 @@ pub struct Measurement {
     pub samples: u32,
 }
 
-/// Samples of a quantity that chance decides about.
-const REPETITIONS: u32 = 4096;
+/// Measures single quantities in a scene.
+#[derive(Debug, Clone, Copy)]
+pub struct Meter<'a> {
+    scene: &'a Scene,
+    samples: u32,
+}
+
+/// Sequences of samples along paths. Within one, samples make up for each other's errors; only whole sequences are
+/// independent and tell how large the error is.
+const SEQUENCES: u32 = 16;
+/// Samples that are taken at a time.
+const BATCH: u32 = 1 << 10;
 
 impl Scene {
-    /// Irradiance at `point` (m) on a surface facing the unit direction `normal`: Σ over lights of E · cos θ, shadows
-    /// included, plus π times the ambient radiance, W·m⁻².
+    /// Irradiance at `point` (m) on a surface facing the unit direction `normal`: all light that arrives there, each
+    /// direction by its cosine, W·m⁻².
     pub fn irradiance(&self, point: DVec3, normal: DVec3) -> Measurement {
-        let normal = normal.as_vec3();
-        let mut scratch = Scratch::default();
-        self.measure(|repetition| {
-            let direct = Direct::new(self, false).repeated(repetition);
-            direct.irradiance(point, normal, &mut scratch)
-        })
+        Meter::new(self).irradiance(point, normal)
     }
 
     /// Radiance that arrives along `ray` in its range, W·sr⁻¹·m⁻².
     pub fn radiance(&self, ray: &Ray) -> Measurement {
-        let mut scratch = Scratch::default();
-        self.measure(|repetition| {
-            Direct::new(self, false).repeated(repetition).gather(&[*ray], &mut scratch);
-            scratch.samples[0].radiance
-        })
+        Meter::new(self).radiance(ray)
+    }
+}
+
+impl<'a> Meter<'a> {
+    /// For `scene`, with a usual number of samples.
+    pub fn new(scene: &'a Scene) -> Self {
+        Self { scene, samples: 1 << 16 }
+    }
+
+    /// With so many samples, rounded up to 16 times a power of two, where chance decides.
+    #[must_use]
+    pub fn samples(self, samples: u32) -> Self {
+        Self { samples, ..self }
+    }
+
+    /// See [`Scene::irradiance`].
+    pub fn irradiance(&self, point: DVec3, normal: DVec3) -> Measurement {
+        let normal = normal.as_vec3();
+        match self.scene.integrator {
+            Integrator::Direct => {
+                let mut scratch = direct::Scratch::default();
+                self.repeat(|repetition| {
+                    let direct = Direct::new(self.scene, false).repeated(repetition);
+                    direct.irradiance(point, normal, &mut scratch)
+                })
+            }
+            Integrator::Path { bounces } => {
+                let path = Path::new(self.scene, false, bounces);
+                self.follow(|points, scratch| path.irradiance(point, normal, points, scratch))
+            }
+        }
+    }
+
+    /// See [`Scene::radiance`].
+    pub fn radiance(&self, ray: &Ray) -> Measurement {
+        match self.scene.integrator {
+            Integrator::Direct => {
+                let mut scratch = direct::Scratch::default();
+                self.repeat(|repetition| {
+                    let direct = Direct::new(self.scene, false).repeated(repetition);
+                    direct.gather(&[*ray], &mut scratch);
+                    scratch.samples[0].radiance
+                })
+            }
+            Integrator::Path { bounces } => {
+                let path = Path::new(self.scene, false, bounces);
+                self.follow(|points, scratch| {
+                    path.gather(&vec![*ray; points.len()], points, scratch)
+                })
+            }
+        }
     }
 
     /// One sample if nothing in the scene is left to chance, else many.
-    fn measure(&self, mut sample: impl FnMut(u32) -> Rgb) -> Measurement {
-        if self.materials.iter().all(|material| material.alpha != Alpha::Blend) {
+    fn repeat(&self, mut sample: impl FnMut(u32) -> Rgb) -> Measurement {
+        if self.scene.materials.iter().all(|material| material.alpha != Alpha::Blend) {
             return Measurement { value: sample(0), standard_error: Rgb::ZERO, samples: 1 };
         }
-        let (mut sum, mut squares) = (DVec3::ZERO, DVec3::ZERO);
-        for repetition in 0..REPETITIONS {
-            let value = sample(repetition).as_dvec3();
-            sum += value;
-            squares += value * value;
-        }
-        let n = f64::from(REPETITIONS);
-        let variance = (squares / n - (sum / n).powf(2.0)).max(DVec3::ZERO) / (n - 1.0);
-        let standard_error = variance.map(f64::sqrt).as_vec3();
-        Measurement { value: (sum / n).as_vec3(), standard_error, samples: REPETITIONS }
+        let repetitions = self.samples.div_ceil(SEQUENCES).max(2);
+        mean((0..repetitions).map(|repetition| sample(repetition).as_dvec3()))
     }
+
+    /// The mean over several sequences of samples, a batch of which `gather` takes at a time.
+    fn follow(&self, gather: impl Fn(&[PathPoints], &mut path::Scratch) + Sync) -> Measurement {
+        let length = self.samples.div_ceil(SEQUENCES).next_power_of_two();
+        let sequence = |number: u32| {
+            let seed = hash(self.scene.film().seed) ^ u64::from(number);
+            let (sampler, mut scratch) = (Sampler::new(seed, length), path::Scratch::default());
+            let batches = (0..length).step_by(BATCH as usize).map(|start| {
+                let points = |index| sampler.points(0, 0, index);
+                let points: Vec<_> = (start..length.min(start + BATCH)).map(points).collect();
+                gather(&points, &mut scratch);
+                let radiance = |sample: &Sample| sample.radiance.as_dvec3();
+                scratch.samples.iter().map(radiance).sum::<DVec3>()
+            });
+            batches.sum::<DVec3>() / f64::from(length)
+        };
+        let means: Vec<_> = (0..SEQUENCES).into_par_iter().map(sequence).collect();
+        Measurement { samples: SEQUENCES * length, ..mean(means.into_iter()) }
+    }
+}
+
+/// The mean of independent values, with its standard error.
+fn mean(values: impl ExactSizeIterator<Item = DVec3>) -> Measurement {
+    let samples = values.len() as u32;
+    let (mut sum, mut squares) = (DVec3::ZERO, DVec3::ZERO);
+    for value in values {
+        sum += value;
+        squares += value * value;
+    }
+    let n = f64::from(samples);
+    let variance = (squares / n - (sum / n).powf(2.0)).max(DVec3::ZERO) / (n - 1.0);
+    let standard_error = variance.map(f64::sqrt).as_vec3();
+    Measurement { value: (sum / n).as_vec3(), standard_error, samples }
 }

@@ -1,9 +1,13 @@
 //! How light is gathered along rays.
 
+mod dimensions;
 mod direct;
+mod gatherer;
 mod meter;
+mod path;
 mod trace;
 
+pub(crate) use dimensions::{FILM, LENS};
 pub use direct::RayCounts;
-pub(crate) use direct::{Direct, Scratch};
-pub use meter::Measurement;
+pub(crate) use gatherer::Gatherer;
+pub use meter::{Measurement, Meter};

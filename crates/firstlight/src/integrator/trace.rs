@@ -1,17 +1,19 @@
 //! The lecture's `scene.trace(ray, tMin, tMax)`.
 
-use super::{Direct, Scratch};
+use super::Gatherer;
 use crate::color::Rgb;
 use crate::geometry::{Hit, Ray};
+use crate::sampler::Sampler;
 use crate::scene::{Scene, SeenByCamera, StopsLight};
 
 impl Scene {
     /// Radiance that arrives along `ray` from the nearest surface between `t_min` (exclusive) and `t_max` (m), or
-    /// from the background, W·sr⁻¹·m⁻². The same stages as a render, with a batch of one.
+    /// from the background, W·sr⁻¹·m⁻². The same stages as a render, with a batch of one; where chance decides, one
+    /// sample.
     pub fn trace(&self, ray: &Ray, t_min: f32, t_max: f32) -> Rgb {
-        let mut scratch = Scratch::default();
-        Direct::new(self, false).gather(&[Ray { t_min, t_max, ..*ray }], &mut scratch);
-        scratch.samples[0].radiance
+        let ray = Ray { t_min, t_max, ..*ray };
+        let points = Sampler::new(self.film().seed, 1).points(0, 0, 0);
+        Gatherer::default().gather(self, false, &[ray], &[points])[0].radiance
     }
 
     /// What each ray hits first, in its range, as a camera would see it. Rays that lie close to each other and in

@@ -1,6 +1,7 @@
 //! Small mathematics that glam does not have.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// Two unit vectors that make a right-handed orthonormal frame with the unit vector `normal` as third axis.
 ///
@@ -12,6 +13,21 @@ pub(crate) fn tangents(normal: DVec3) -> (DVec3, DVec3) {
     let tangent = DVec3::new(1.0 + sign * normal.x * normal.x * a, sign * b, -sign * normal.x);
     let bitangent = DVec3::new(b, sign + normal.y * normal.y * a, -normal.y);
     (tangent, bitangent)
+}
+
+/// The square 0..1 mapped onto the unit disk ring by ring, which keeps areas and neighbours.
+///
+/// Shirley & Chiu, *A Low Distortion Map Between Disk and Square*, 1997.
+pub(crate) fn concentric(u: DVec2) -> DVec2 {
+    let square = 2.0 * u - 1.0;
+    let (radius, angle) = if square.x.abs() > square.y.abs() {
+        (square.x, FRAC_PI_4 * (square.y / square.x))
+    } else if square.y != 0.0 {
+        (square.y, FRAC_PI_2 - FRAC_PI_4 * (square.x / square.y))
+    } else {
+        (0.0, 0.0)
+    };
+    radius * DVec2::from_angle(angle)
 }
 
 /// Mixes the bits of `x` (the finaliser of SplitMix64; Steele, Lea, Flood 2014): a good 64-bit hash.

@@ -3,13 +3,16 @@
 use super::Scene;
 use super::Studio;
 use super::description::{
-    Alpha, CameraLightAmount, Light, LightDescription, Material, SceneDescription, Shape, Surface,
+    Alpha, CameraLightAmount, Integrator, Light, LightDescription, Material, SceneDescription,
+    Shape, Surface,
 };
+use super::lights::{area_lights, environment};
 use crate::bvh::{MeshPart, Part, World};
 use crate::camera::Camera;
 use crate::color::Rgb;
 use crate::geometry::Analytic;
 use crate::kernels::{ONE_SIDED, PARTLY_THERE};
+use crate::shading::light::environment::Sun;
 use crate::shading::light::{Cone, Light as BuiltLight, Source};
 use crate::simd::Level;
 use std::sync::Arc;
@@ -33,15 +36,23 @@ impl Scene {
         let view = description.cameras.first().cloned().unwrap_or_else(|| studio.view(description));
         let camera = Camera::new(&view, film.width, film.height);
         let ambient = description.lights.iter().filter_map(ambient).sum();
+        let world = World::build(parts(description), level);
+        let material_of: Vec<_> = description.surfaces.iter().map(|s| s.material as u32).collect();
+        let sky = description.environment.as_ref();
+        let lights = description.lights.iter();
         Self {
-            world: World::build(parts(description), level),
-            material_of: description.surfaces.iter().map(|s| s.material as u32).collect(),
+            area_lights: area_lights(&world, &material_of, &description.materials),
+            environment: sky.map(|sky| (environment(sky), sky.visible)),
+            world,
+            material_of,
             materials: description.materials.clone(),
             images: description.images.clone(),
-            lights: description.lights.iter().filter_map(|l| light(l, &camera)).collect(),
+            lights: lights.filter_map(|l| light(l, &camera, description.integrator)).collect(),
+            suns: description.lights.iter().filter_map(sun).collect(),
             ambient,
             background: description.background,
             shadows: description.shadows,
+            integrator: description.integrator,
             camera,
             film: film.clone(),
             luminous_efficacy: description.luminous_efficacy,
@@ -53,7 +64,12 @@ fn ambient(light: &LightDescription) -> Option<Rgb> {
     if let Light::Ambient { radiance } = light.light { Some(radiance) } else { None }
 }
 
-fn light(described: &LightDescription, camera: &Camera) -> Option<BuiltLight> {
+/// A light without extent, as `integrator` sees it.
+fn light(
+    described: &LightDescription,
+    camera: &Camera,
+    integrator: Integrator,
+) -> Option<BuiltLight> {
     let source = match described.light {
         Light::Ambient { .. } => return None,
         Light::Point { position, intensity } => Source::Point { position, intensity },
@@ -61,13 +77,25 @@ fn light(described: &LightDescription, camera: &Camera) -> Option<BuiltLight> {
             let cone = Cone::new(direction, inner_angle, outer_angle, falloff);
             Source::Spot { position, intensity, cone }
         }
-        Light::Directional { direction, irradiance } => {
+        Light::Sun { .. } if integrator != Integrator::Direct && described.shadows => return None,
+        // Without shadows, or for those who sum over points, its middle stands for it.
+        Light::Directional { direction, irradiance } | Light::Sun { direction, irradiance, .. } => {
             Source::Directional { toward: -direction.as_vec3(), irradiance }
         }
         Light::Camera { amount } => at_camera(amount, camera),
     };
     let is_visible = !matches!(described.light, Light::Camera { .. });
     Some(BuiltLight { source, shadows: described.shadows && is_visible })
+}
+
+/// A light with extent, infinitely far away.
+fn sun(described: &LightDescription) -> Option<Sun> {
+    match described.light {
+        Light::Sun { direction, irradiance, angular_radius } if described.shadows => {
+            Some(Sun::new(-direction, angular_radius, irradiance))
+        }
+        _ => None,
+    }
 }
 
 fn at_camera(amount: CameraLightAmount, camera: &Camera) -> Source {
@@ -124,7 +152,7 @@ pub(super) fn part(
 
 /// What traversal has to ask about surfaces of this material.
 fn flags(material: &Material) -> u32 {
-    let one_sided = if material.double_sided { 0 } else { ONE_SIDED };
+    let one_sided = if material.double_sided && material.visible { 0 } else { ONE_SIDED };
     let partly_there = if material.alpha == Alpha::Opaque { 0 } else { PARTLY_THERE };
     one_sided | partly_there
 }

@@ -73,7 +73,7 @@ impl SceneDescription {
 
     fn check_material(&self, i: usize, material: &Material) -> Result<()> {
         let place = || format!("material {i} \"{}\"", material.name);
-        let textures = [&material.reflectance, &material.emission];
+        let textures = [&material.reflectance, &material.mirrored, &material.emission];
         let mut textures = textures.into_iter().chain(&material.ambient_reflectance);
         ensure(textures.all(|t| self.knows(t)), place, "a texture's picture does not exist")
     }

@@ -6,7 +6,7 @@ use crate::geometry::{Hit, Ray};
 use crate::kernels::{HitFilter, ONE_SIDED, PARTLY_THERE};
 use crate::math::hash;
 
-/// Camera rays: they pass through holes and through the backs of one-sided surfaces. The number tells repetitions of
+/// Camera rays: they pass through holes, through the backs of one-sided surfaces and through what is invisible. The number tells repetitions of
 /// a ray apart where chance decides.
 pub(crate) struct SeenByCamera<'a>(pub &'a Scene, pub u32);
 
@@ -20,7 +20,9 @@ impl HitFilter for SeenByCamera<'_> {
 
     fn accepts(&self, ray: &Ray, hit: &Hit, from_behind: bool) -> bool {
         let scene = self.0;
-        (scene.material(hit).double_sided || !scene.is_back(hit, from_behind))
+        let material = scene.material(hit);
+        material.visible
+            && (material.double_sided || !scene.is_back(hit, from_behind))
             && scene.is_there(ray, hit, self.1)
     }
 }

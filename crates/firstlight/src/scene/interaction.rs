@@ -3,10 +3,12 @@
 use super::Scene;
 use super::description::{Material, Mesh, Texture};
 use crate::bvh::{MeshPart, Part};
+use crate::color::Rgb;
 use crate::geometry::{Analytic, Hit, Ray};
+use crate::shading::bsdf::Bsdf;
 use crate::shading::interaction::{SurfaceInteraction, clearance, lift};
 use crate::shading::texture::{evaluate, uv_set};
-use glam::{DVec3, Vec2, Vec3, Vec4};
+use glam::{DVec3, Vec2, Vec3, Vec4, Vec4Swizzles};
 
 impl Scene {
     /// The point that `ray` hit.
@@ -22,6 +24,23 @@ impl Scene {
     #[inline(always)]
     pub(crate) fn material(&self, hit: &Hit) -> &Material {
         &self.materials[self.material_of[hit.surface as usize] as usize]
+    }
+
+    /// What the material is at a point.
+    #[inline(always)]
+    pub(crate) fn bsdf(&self, material: &Material, at: &SurfaceInteraction) -> Bsdf {
+        let reflectance = self.evaluate(&material.reflectance, at).xyz();
+        match self.evaluate(&material.mirrored, at).xyz() {
+            Rgb::ZERO => Bsdf::Lambert { reflectance },
+            mirrored => Bsdf::Mirror { mirrored, reflectance },
+        }
+    }
+
+    /// The fraction of ambient light that the material reflects at a point.
+    #[inline(always)]
+    pub(crate) fn ambient_reflectance(&self, material: &Material, at: &SurfaceInteraction) -> Rgb {
+        let texture = material.ambient_reflectance.as_ref().unwrap_or(&material.reflectance);
+        self.evaluate(texture, at).xyz()
     }
 
     /// Linear RGBA of a texture at a point.
@@ -45,10 +64,12 @@ impl Scene {
 fn on_analytic(shape: &Analytic, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
     let point = shape.point(ray, f64::from(hit.t), hit.primitive);
     let position = point.position.as_vec3();
-    let normal = facing(point.normal.as_vec3(), ray);
+    let outward = point.normal.as_vec3();
+    let normal = facing(outward, ray);
     SurfaceInteraction {
         hit: *hit,
         position,
+        front: outward.dot(ray.direction) < 0.0,
         clearance: clearance(normal, position.abs(), shape.magnitude()),
         lift: Vec3::ZERO,
         geometric_normal: normal,
@@ -66,10 +87,12 @@ fn on_mesh(part: &MeshPart, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
     let (u, v) = (f64::from(hit.u), f64::from(hit.v));
     let local = a + u * (b - a) + v * (c - a);
     let position = if part.instanced { part.to_world.transform_point3(local) } else { local };
-    let outward = facing(world_normal(part, (b - a).cross(c - a)), ray);
+    let wound = world_normal(part, (b - a).cross(c - a));
+    let outward = facing(wound, ray);
     let mut interaction = SurfaceInteraction {
         hit: *hit,
         position: position.as_vec3(),
+        front: (wound.dot(ray.direction) < 0.0) != part.mirrored,
         clearance: clearance(outward, rounded(part, position, local), part.magnitude()),
         lift: Vec3::ZERO,
         geometric_normal: outward,

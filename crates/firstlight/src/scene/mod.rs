@@ -7,6 +7,7 @@ pub mod description;
 mod filter;
 mod framing;
 mod interaction;
+mod lights;
 mod studio;
 #[cfg(test)]
 mod tests;
@@ -19,8 +20,10 @@ use crate::bvh::World;
 use crate::camera::Camera;
 use crate::color::Rgb;
 use crate::shading::light::Light;
+use crate::shading::light::area::AreaLights;
+use crate::shading::light::environment::{Environment, Sun};
 use crate::simd::Level;
-use description::{FilmDescription, LuminousEfficacy, Material, Pixels, Shadows};
+use description::{FilmDescription, Integrator, LuminousEfficacy, Material, Pixels, Shadows};
 use std::sync::Arc;
 
 /// A scene ready to be traced. Made by [`Scene::build`]; nothing about it can fail from then on.
@@ -33,10 +36,17 @@ pub struct Scene {
     pub(crate) images: Vec<Arc<Pixels>>,
     /// All lights that come from one direction, in the file's order.
     pub(crate) lights: Vec<Light>,
+    /// The surfaces that emit.
+    pub(crate) area_lights: AreaLights,
+    /// Round lights infinitely far away.
+    pub(crate) suns: Vec<Sun>,
+    /// Light from directions that hit nothing, and whether the camera sees it.
+    pub(crate) environment: Option<(Environment, bool)>,
     /// Sum of the ambient lights' radiance, W·sr⁻¹·m⁻².
     pub(crate) ambient: Rgb,
     pub(crate) background: Rgb,
     pub(crate) shadows: Shadows,
+    pub(crate) integrator: Integrator,
     camera: Camera,
     film: FilmDescription,
     luminous_efficacy: LuminousEfficacy,

@@ -96,7 +96,8 @@ impl Studio {
     /// if there is none.
     fn far_radiance(&self, scene: &SceneDescription) -> Rgb {
         let radiance = scene.lights.iter().map(|described| match described.light {
-            Light::Directional { direction, irradiance } => {
+            Light::Directional { direction, irradiance }
+            | Light::Sun { direction, irradiance, .. } => {
                 irradiance * (direction.dot(-self.up).max(0.0) / PI) as f32
             }
             Light::Ambient { radiance } => radiance,

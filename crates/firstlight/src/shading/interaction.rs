@@ -14,6 +14,8 @@ pub(crate) struct SurfaceInteraction {
     pub clearance: f32,
     /// How far `position` lies below the smooth surface that the normals suggest, as a vector, m.
     pub lift: Vec3,
+    /// Whether it is the front of the surface that is seen.
+    pub front: bool,
     /// Unit normal of the surface as it is, on the side of the eye.
     pub geometric_normal: Vec3,
     /// Unit normal of the surface as it should look, on the same side.

@@ -4,3 +4,4 @@ pub(crate) mod bsdf;
 pub(crate) mod interaction;
 pub(crate) mod light;
 pub(crate) mod texture;
+pub(crate) mod volume;

@@ -34,7 +34,8 @@ pub(crate) fn uv_set(texture: &Texture) -> usize {
     }
 }
 
-fn look_up(pixels: &Pixels, uv: Vec2, wrap: [Wrap; 2], sampling: Sampling) -> Vec4 {
+/// Linear RGBA of a picture at texture coordinates, v up.
+pub(crate) fn look_up(pixels: &Pixels, uv: Vec2, wrap: [Wrap; 2], sampling: Sampling) -> Vec4 {
     let place = Vec2::new(uv.x, 1.0 - uv.y) * Vec2::new(pixels.width as f32, pixels.height as f32);
     match sampling {
         Sampling::Nearest => texel(pixels, place.floor(), wrap),
@@ -49,7 +50,7 @@ fn look_up(pixels: &Pixels, uv: Vec2, wrap: [Wrap; 2], sampling: Sampling) -> Ve
 }
 
 /// The texel at whole-numbered `place`, wrapped into the picture.
-fn texel(pixels: &Pixels, place: Vec2, wrap: [Wrap; 2]) -> Vec4 {
+pub(crate) fn texel(pixels: &Pixels, place: Vec2, wrap: [Wrap; 2]) -> Vec4 {
     let x = wrapped(place.x, pixels.width, wrap[0]);
     let y = wrapped(place.y, pixels.height, wrap[1]);
     let index = y * pixels.width as usize + x;

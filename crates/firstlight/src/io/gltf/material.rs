@@ -114,13 +114,13 @@ impl Reader<'_, '_, '_> {
         } else {
             (base, self.emission(material, extensions)?)
         };
+        let name = material.name.clone().unwrap_or_else(|| format!("material {index}"));
         Ok(Material {
-            name: material.name.clone().unwrap_or_else(|| format!("material {index}")),
             reflectance,
-            ambient_reflectance: None,
             emission,
             alpha: self.alpha(material)?,
             double_sided: material.double_sided,
+            ..Material::matte(name, Rgb::ZERO)
         })
     }
 

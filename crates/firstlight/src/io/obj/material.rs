@@ -155,7 +155,7 @@ impl Tallies {
             format!("{} with a map_d that is not their map_Kd: shown solid", materials(count))
         });
         self.glowing.warn(warnings, |count| {
-            format!("{} with Ke: they glow, but light nothing else", materials(count))
+            format!("{} with Ke: they light others only by the path integrator", materials(count))
         });
         self.more_than_matte.warn(warnings, |count| {
             format!("{} with gloss, metal or refraction: shown matte", materials(count))

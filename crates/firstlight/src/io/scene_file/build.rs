@@ -1,7 +1,8 @@
 //! From what is written to a scene with indices.
 
 use super::document::{At, Document, Named, Span, in_order};
-use super::light::Lighting;
+use super::environment::EnvironmentKeys;
+use super::light::{Lighting, SurfaceLightKeys};
 use super::material::{MaterialKeys, Pictures};
 use super::surface::{NewShape, SurfaceKeys};
 use super::{InstanceKeys, ModelKeys, SceneKeys, transform};
@@ -10,7 +11,7 @@ use crate::diagnostic::{Diagnostic, Result};
 use crate::io::model::{self, Format, UpAxis, upright};
 use crate::io::{FileAccess, Warnings};
 use crate::scene::description::{
-    LuminousEfficacy, Material, Part, SceneDescription, Shape, Surface, Up,
+    Integrator, LuminousEfficacy, Material, Part, SceneDescription, Shape, Surface, Texture, Up,
 };
 use crate::suggest::{did_you_mean, quoted};
 use glam::{DAffine3, DVec3};
@@ -49,6 +50,7 @@ pub(super) fn build(
     let mut scene = SceneDescription {
         up: Up(keys.up.direction()),
         film: keys.film.describe(),
+        integrator: keys.integrator.0,
         shadows: keys.shadows,
         background: keys.background.0,
         luminous_efficacy: LuminousEfficacy(efficacy),
@@ -62,10 +64,6 @@ pub(super) fn build(
     {
         scene.cameras.push(camera.describe(&name, keys.up, document)?);
     }
-    let lighting = Lighting { document, efficacy };
-    for (name, light) in in_order(keys.lights) {
-        scene.lights.push(lighting.describe(&name, light.value)?);
-    }
     let mut builder = Builder {
         document,
         access,
@@ -76,7 +74,11 @@ pub(super) fn build(
         models: HashMap::new(),
         placed: IndexMap::new(),
     };
-    builder.add_materials(keys.materials)?;
+    for (name, light) in in_order(keys.lights) {
+        let light = builder.lighting().describe(&name, light.value)?;
+        builder.scene.lights.push(light);
+    }
+    builder.add_materials(keys.materials, keys.environment, warnings)?;
     for (name, surface) in in_order(keys.surfaces) {
         builder.add_surface(name, surface)?;
     }
@@ -91,13 +93,31 @@ pub(super) fn build(
 }
 
 impl Builder<'_> {
-    fn add_materials(&mut self, materials: Named<MaterialKeys>) -> Result<()> {
+    fn lighting(&self) -> Lighting<'_> {
+        Lighting { document: self.document, efficacy: self.scene.luminous_efficacy.0 }
+    }
+
+    /// Materials and environment, which may share pictures.
+    fn add_materials(
+        &mut self,
+        materials: Named<MaterialKeys>,
+        environment: Option<At<EnvironmentKeys>>,
+        warnings: &mut Warnings,
+    ) -> Result<()> {
         let (document, access) = (self.document, self.access);
         let mut pictures =
             Pictures { document, access, images: Vec::new(), by_file: HashMap::new() };
         for (name, material) in in_order(materials) {
             self.scene.materials.push(material.value.describe(&name, &mut pictures)?);
             self.materials.insert(name, self.scene.materials.len() - 1);
+        }
+        if let Some(At { span, value }) = environment {
+            if self.scene.integrator == Integrator::Direct {
+                let warning = document.error(&span, "is not seen by the integrator \"direct\"");
+                warnings.push(warning.help("write integrator = \"path\""));
+            }
+            let environment = value.describe(&self.lighting(), &mut pictures, self.up)?;
+            self.scene.environment = Some(environment);
         }
         self.scene.images = pictures.images;
         Ok(())
@@ -115,16 +135,21 @@ impl Builder<'_> {
                 Shape::Mesh(self.scene.meshes.len() - 1)
             }
         };
-        let mut material = match self.material(keys.material.as_ref())? {
-            Some(material) => material,
-            None => self.default_material(),
+        let mut material = match (self.material(keys.material.as_ref())?, &keys.light) {
+            (Some(material), _) => material,
+            (None, None) => self.default_material(),
+            (None, Some(_)) => self.add_material(Material::matte(&name, Rgb::ZERO)),
         };
         if matches!(shape, Shape::Mesh(mesh) if !self.scene.meshes[mesh].colors.is_empty()) {
             material = self.with_vertex_colors(material);
         }
         let transform = transform::compose(keys.transform.as_ref(), self.document)?;
         let start = self.scene.surfaces.len();
-        self.scene.surfaces.push(Surface { name: name.clone(), shape, material, transform });
+        let mut surface = Surface { name: name.clone(), shape, material, transform };
+        if let Some(light) = &keys.light {
+            surface.material = self.lit_material(&surface, light)?;
+        }
+        self.scene.surfaces.push(surface);
         self.placed.insert(name, start..start + 1);
         Ok(())
     }
@@ -242,12 +267,31 @@ impl Builder<'_> {
             .error(span, format!("needs the name of a material, not {}{hint}", quoted(name))))
     }
 
+    /// A copy of a surface's material that emits.
+    fn lit_material(
+        &mut self,
+        surface: &Surface,
+        At { span, value: keys }: &At<SurfaceLightKeys>,
+    ) -> Result<usize> {
+        let area = self.scene.emitting_area(surface);
+        let radiance = self.lighting().surface(keys, span, area)?;
+        let mut material = self.scene.materials[surface.material].clone();
+        material.emission = Texture::constant(radiance);
+        material.emits_behind = keys.two_sided.unwrap_or(false);
+        material.visible = keys.visible.unwrap_or(true);
+        Ok(self.add_material(material))
+    }
+
+    fn add_material(&mut self, material: Material) -> usize {
+        self.scene.materials.push(material);
+        self.scene.materials.len() - 1
+    }
+
     /// A copy of a material that the mesh's vertex colours multiply.
     fn with_vertex_colors(&mut self, material: usize) -> usize {
         let mut copy = self.scene.materials[material].clone();
         copy.reflectance.vertex_colors = true;
-        self.scene.materials.push(copy);
-        self.scene.materials.len() - 1
+        self.add_material(copy)
     }
 
     fn default_material(&mut self) -> usize {

@@ -27,6 +27,8 @@ pub(super) enum LightKeys {
     Spot(At<SpotKeys>),
     /// Parallel light from far away, such as the sun's.
     Directional(At<DirectionalKeys>),
+    /// A round light infinitely far away, with soft shadows.
+    Sun(At<SunKeys>),
     /// Constant light from everywhere, without shadows.
     Ambient(At<AmbientKeys>),
     /// A light at the camera, without visible shadows.
@@ -87,6 +89,22 @@ pub(super) struct DirectionalKeys {
     shadows: Option<bool>,
 }
 
+/// A round light infinitely far away.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SunKeys {
+    /// The direction in which the light travels.
+    direction: Direction,
+    /// What falls on a surface that faces it: W/m² or lx.
+    irradiance: At<Amount<Irradiance>>,
+    /// Angle across it, more than 0 and at most 180 degrees. Default 0.533, as the sun's.
+    angular_size: Option<At<Angle>>,
+    /// Its colour. Default white.
+    color: Option<Color>,
+    /// Whether surfaces in between cast shadows. Default true.
+    shadows: Option<bool>,
+}
+
 /// Constant ambient light.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -109,6 +127,24 @@ pub(super) struct CameraLightKeys {
     power: Option<At<Amount<Power>>>,
     /// Its colour. Default white.
     color: Option<Color>,
+}
+
+/// What a surface emits: exactly one of `power`, `exitance` and `radiance`.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SurfaceLightKeys {
+    /// All that it gives: W or lm.
+    power: Option<At<Amount<Power>>>,
+    /// What it gives per area of one side: W/m² or lm/m².
+    exitance: Option<At<Amount<Irradiance>>>,
+    /// What it gives per area and direction: W/(sr m²) or nit.
+    radiance: Option<At<Amount<Radiance>>>,
+    /// Its colour. Default white.
+    color: Option<Color>,
+    /// Whether its back gives the same as its front. Default false.
+    pub(super) two_sided: Option<bool>,
+    /// Whether the camera sees it. Default true.
+    pub(super) visible: Option<bool>,
 }
 
 /// A dimension as a type, so that a key accepts only its own units.
@@ -220,6 +256,10 @@ impl Lighting<'_> {
                 let light = Light::Directional { direction: value.direction.0, irradiance };
                 (light, value.shadows.unwrap_or(true))
             }
+            LightKeys::Sun(At { value, .. }) => {
+                let shadows = value.shadows.unwrap_or(true);
+                (self.sun(value)?, shadows)
+            }
             LightKeys::Ambient(At { value, .. }) => {
                 (Light::Ambient { radiance: self.channels(&value.radiance, value.color)? }, false)
             }
@@ -240,6 +280,45 @@ impl Lighting<'_> {
             }
         };
         Ok(Light::Point { position: keys.position.0, intensity })
+    }
+
+    fn sun(&self, keys: SunKeys) -> Result<Light> {
+        let size = keys.angular_size.as_ref().map_or(0.533_f64.to_radians(), |at| at.value.0);
+        if let Some(At { span, .. }) = &keys.angular_size
+            && !(size > 1e-6 && size <= PI + 1e-6)
+        {
+            return Err(self.document.error(span, "must be more than 0° and at most 180°"));
+        }
+        let irradiance = self.channels(&keys.irradiance, keys.color)?;
+        let angular_radius = (0.5 * size).min(FRAC_PI_2);
+        Ok(Light::Sun { direction: keys.direction.0, irradiance, angular_radius })
+    }
+
+    /// Radiance of a surface of `area` (m², one side) that emits; `None`: its area is not known.
+    pub(super) fn surface(
+        &self,
+        keys: &SurfaceLightKeys,
+        light: &Span,
+        area: Option<f64>,
+    ) -> Result<Rgb> {
+        let sides = if keys.two_sided.unwrap_or(false) { 2.0 } else { 1.0 };
+        match (&keys.power, &keys.exitance, &keys.radiance) {
+            (Some(power), None, None) => {
+                let area = area.ok_or_else(|| {
+                    let message =
+                        "needs a radiance or exitance: this shape has no area to divide by";
+                    self.document.error(&power.span, message)
+                })?;
+                Ok((self.channels(power, keys.color)?.as_dvec3() / (PI * sides * area)).as_vec3())
+            }
+            (None, Some(exitance), None) => Ok(self.channels(exitance, keys.color)? / PI as f32),
+            (None, None, Some(radiance)) => self.channels(radiance, keys.color),
+            (None, None, None) => Err(self
+                .none_of("power (W, lm), exitance (W/m², lx) or radiance (W/(sr m²), nit)", light)),
+            (_, Some(At { span, .. }), _) | (_, _, Some(At { span, .. })) => {
+                Err(self.one_of("power, exitance or radiance", span))
+            }
+        }
     }
 
     fn spot(&self, keys: SpotKeys, light: &Span) -> Result<Light> {
@@ -304,7 +383,7 @@ impl Lighting<'_> {
     }
 
     /// Radiometric channels. Colour multiplies energy; of light as seen it gives only the chromaticity.
-    fn channels<D>(&self, amount: &At<Amount<D>>, color: Option<Color>) -> Result<Rgb> {
+    pub(super) fn channels<D>(&self, amount: &At<Amount<D>>, color: Option<Color>) -> Result<Rgb> {
         let color = color.map_or(Rgb::ONE, |Color(color)| color);
         let scale = match amount.value {
             Amount::Energy(channels) => channels,

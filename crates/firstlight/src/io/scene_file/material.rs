@@ -1,7 +1,7 @@
 //! `[materials.name.lambert]` and the pictures that materials use.
 
 use super::color::{CheckerKeys, Color, ImageKeys, OneOrTwo, Reflectance, TextureKeys};
-use super::document::Document;
+use super::document::{At, Document};
 use super::film::Fraction;
 use crate::color::Rgb;
 use crate::diagnostic::Result;
@@ -20,7 +20,9 @@ use std::sync::Arc;
 #[serde(rename_all = "snake_case")]
 pub(super) enum MaterialKeys {
     /// Matte: reflects the same to every side.
-    Lambert(LambertKeys),
+    Lambert(Box<LambertKeys>),
+    /// A perfect mirror.
+    Mirror(MirrorKeys),
 }
 
 /// A matte material.
@@ -31,10 +33,22 @@ pub(super) struct LambertKeys {
     reflectance: Option<TextureKeys<Reflectance>>,
     /// The fraction of ambient light reflected, 0 to 1. Default: `reflectance`.
     ambient_reflectance: Option<TextureKeys<Reflectance>>,
-    /// Radiance added as seen by the camera (1 is white); it lights nothing else. Default 0.
+    /// The fraction of light mirrored, 0 to 1; with `reflectance` at most 1. Default 0.
+    mirror: Option<At<TextureKeys<Reflectance>>>,
+    /// Radiance added to what leaves the surface (1 is white). Default 0.
     emission: Option<TextureKeys<Color>>,
     /// Alpha of `reflectance` below which the surface is not there, 0 to 1. Default: it is always there.
     alpha_cutoff: Option<Fraction>,
+    /// Whether the back can be seen. Default true.
+    double_sided: Option<bool>,
+}
+
+/// A perfect mirror.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MirrorKeys {
+    /// The fraction of light mirrored, 0 to 1. Default 1.
+    reflectance: Option<TextureKeys<Reflectance>>,
     /// Whether the back can be seen. Default true.
     double_sided: Option<bool>,
 }
@@ -50,18 +64,35 @@ pub(super) struct Pictures<'a> {
 impl MaterialKeys {
     /// The material as plain data; its pictures are added to `pictures`.
     pub(super) fn describe(self, name: &str, pictures: &mut Pictures<'_>) -> Result<Material> {
-        let Self::Lambert(keys) = self;
         let matte = Material::matte(name, Rgb::splat(0.5));
+        let keys = match self {
+            Self::Lambert(keys) => keys,
+            Self::Mirror(keys) => {
+                let mirrored = pictures.texture(keys.reflectance)?;
+                return Ok(Material {
+                    reflectance: Texture::constant(Rgb::ZERO),
+                    mirrored: mirrored.unwrap_or(Texture::constant(Rgb::ONE)),
+                    double_sided: keys.double_sided.unwrap_or(true),
+                    ..matte
+                });
+            }
+        };
+        let reflectance = pictures.texture(keys.reflectance)?;
+        let reflectance = reflectance.unwrap_or(matte.reflectance.clone());
         Ok(Material {
-            reflectance: pictures.texture(keys.reflectance)?.unwrap_or(matte.reflectance),
+            mirrored: match keys.mirror {
+                Some(mirror) => pictures.mirror(mirror, &reflectance)?,
+                None => matte.mirrored.clone(),
+            },
+            reflectance,
             ambient_reflectance: pictures.texture(keys.ambient_reflectance)?,
-            emission: pictures.texture(keys.emission)?.unwrap_or(matte.emission),
+            emission: pictures.texture(keys.emission)?.unwrap_or(matte.emission.clone()),
             alpha: match keys.alpha_cutoff {
                 Some(Fraction(cutoff)) => Alpha::Mask { cutoff: cutoff as f32 },
                 None => Alpha::Opaque,
             },
             double_sided: keys.double_sided.unwrap_or(true),
-            name: matte.name,
+            ..matte
         })
     }
 }
@@ -80,8 +111,20 @@ impl Pictures<'_> {
         Ok(Some(Texture { factor, pattern, vertex_colors: false }))
     }
 
+    /// The mirror over a matte ground, which together may not reflect more than all.
+    fn mirror(&mut self, keys: At<TextureKeys<Reflectance>>, ground: &Texture) -> Result<Texture> {
+        let At { span, value } = keys;
+        let mirror = self.texture(Some(value))?.unwrap_or(Texture::constant(Rgb::ZERO));
+        let all = Rgb::from_slice(&mirror.factor) + Rgb::from_slice(&ground.factor);
+        if mirror.is_constant() && ground.is_constant() && all.max_element() > 1.0 + 1e-6 {
+            let message = "reflects more than all, together with the reflectance";
+            return Err(self.document.error(&span, message));
+        }
+        Ok(mirror)
+    }
+
     fn image_pattern(&mut self, keys: ImageKeys) -> Result<Pattern> {
-        let image = self.load(&keys)?;
+        let image = self.open(&keys.file)?;
         let OneOrTwo([u, v]) = keys.scale.unwrap_or(OneOrTwo([Number(1.0); 2]));
         let offset = keys.offset.map_or(Vec2::ZERO, |Pair(offset)| offset.as_vec2());
         let Angle(angle) = keys.rotate.unwrap_or(Angle(0.0));
@@ -101,8 +144,8 @@ impl Pictures<'_> {
     }
 
     /// The index of the picture in `images`.
-    fn load(&mut self, keys: &ImageKeys) -> Result<usize> {
-        let (name, span) = (&keys.file.value, &keys.file.span);
+    pub(super) fn open(&mut self, file: &At<String>) -> Result<usize> {
+        let (name, span) = (&file.value, &file.span);
         let path = self.document.open(span, self.access.resolve(name))?;
         // One picture under two names is decoded once.
         let real = path.canonicalize().unwrap_or(path);

@@ -9,6 +9,7 @@ mod camera;
 mod color;
 mod complaint;
 mod document;
+mod environment;
 mod film;
 mod light;
 mod material;
@@ -31,6 +32,7 @@ use crate::units::written::{Checked, Size, WITH_UNIT, Written, quantity, written
 use crate::units::{Dimension, Quantity};
 use camera::CameraKeys;
 use document::{At, Document, Named};
+use environment::{EnvironmentKeys, IntegratorKeys};
 use film::FilmKeys;
 use light::LightKeys;
 use material::MaterialKeys;
@@ -126,6 +128,10 @@ struct SceneKeys {
     up: UpAxis,
     /// Radiance of directions that hit nothing; 1 is white. It lights nothing. Default 0.
     background: Color,
+    /// Light from directions that hit nothing. Default: none.
+    environment: Option<At<EnvironmentKeys>>,
+    /// How light is gathered. Default "direct".
+    integrator: IntegratorKeys,
     /// Lumens per watt, to convert between light as seen and its energy. Default 683.
     luminous_efficacy: Efficacy,
     /// How shadow rays are kept from hitting the surface they leave. Default "robust".
@@ -153,6 +159,8 @@ impl Default for SceneKeys {
         Self {
             up: UpAxis::default(),
             background: Color(Rgb::ZERO),
+            environment: None,
+            integrator: IntegratorKeys::default(),
             luminous_efficacy: Efficacy(LuminousEfficacy::default().0),
             shadows: Shadows::default(),
             camera: None,

@@ -2,6 +2,7 @@
 
 use super::color::Color;
 use super::document::{At, Document, Span};
+use super::light::SurfaceLightKeys;
 use super::transform::Step;
 use crate::diagnostic::Result;
 use crate::scene::description::{Block, Cone, Cylinder, Disk, Mesh, Plane, Quad, Shape, Sphere};
@@ -23,8 +24,10 @@ pub(super) struct SurfaceKeys {
     cylinder: Option<At<Cylinder>>,
     cone: Option<At<Cone>>,
     mesh: Option<At<MeshKeys>>,
-    /// Name of its material. Default: a grey that reflects 0.5.
+    /// Name of its material. Default: a grey that reflects 0.5; black if it is a light.
     pub(super) material: Option<At<String>>,
+    /// What it emits. Default: what its material says.
+    pub(super) light: Option<At<SurfaceLightKeys>>,
     /// Steps from its own space to the world, the first applied first.
     pub(super) transform: Option<At<Vec<Step>>>,
 }

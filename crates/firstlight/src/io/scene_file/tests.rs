@@ -1,7 +1,8 @@
 use super::*;
 use crate::color::luminance;
 use crate::scene::description::{
-    Alpha, CameraLightAmount, Exposure, Filter, Light, Pattern, Projection, Shape, Wrap,
+    Alpha, CameraLightAmount, Exposure, Filter, Integrator, Light, Pattern, Projection, Sampling,
+    Shape, Sky, Wrap,
 };
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -11,6 +12,7 @@ fn scene_with(text: &str, overrides: &[&str]) -> Result<SceneDescription> {
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str| folder.path().join(name);
     image::RgbaImage::new(1, 1).save(file("wood.png")).unwrap();
+    image::RgbaImage::from_pixel(4, 2, image::Rgba([255; 4])).save(file("sky.png")).unwrap();
     let access = FileAccess::beside(&file("scene.toml"), &[]);
     let overrides = overrides.iter().map(|o| o.parse()).collect::<Result<Vec<_>>>()?;
     read(text, "scene.toml", &overrides, &access, &mut Warnings::new())
@@ -36,7 +38,7 @@ fn the_examples_of_the_reference_are_scenes() {
     let reference = std::fs::read_to_string(folder.join("docs/scene-format.md")).unwrap();
     let examples: Vec<&str> =
         reference.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
-    assert_eq!(examples.len(), 9);
+    assert_eq!(examples.len(), 11);
     for example in &examples {
         let document =
             Document { name: "example", text: example, overrides: &[], generated: false };
@@ -175,6 +177,66 @@ fn a_camera_light_takes_one_of_three_quantities() {
 }
 
 #[test]
+fn environments_and_integrators_are_read() {
+    let described = |keys: &str| scene(&format!("integrator = 'path'\n{keys}")).environment;
+    let uniform =
+        described("environment.uniform = { radiance = '683 nit', color = 'red' }").unwrap();
+    assert_eq!((uniform.sky, uniform.visible), (Sky::Uniform, true));
+    assert!((f64::from(luminance(uniform.factor)) - 1.0).abs() < 1e-6 && uniform.factor.y == 0.0);
+    let gradient =
+        described("environment.gradient = { zenith = 2, horizon = 1, strength = 3 }").unwrap();
+    let (zenith, horizon, nadir) = (Rgb::splat(2.0), Rgb::ONE, Rgb::ZERO);
+    assert_eq!(gradient.sky, Sky::Gradient { zenith, horizon, nadir });
+    assert_eq!(gradient.factor, Rgb::splat(3.0));
+    let image = "environment.image = { file = 'sky.png', rotation = 90, visible = false }";
+    let image = described(image).unwrap();
+    let Sky::Picture { pixels, sampling: Sampling::Bilinear } = &image.sky else { panic!() };
+    assert_eq!((pixels.width, pixels.height, image.visible), (4, 2, false));
+    assert!((image.rotation * DVec3::Y).abs_diff_eq(-DVec3::X, 1e-12), "north turns to the west");
+    let up = described("up = 'y'\nenvironment.uniform.radiance = 1").unwrap().rotation;
+    assert!((up * DVec3::Z).abs_diff_eq(DVec3::Y, 1e-12));
+    assert!((up * DVec3::Y).abs_diff_eq(-DVec3::Z, 1e-12));
+    assert_eq!(scene("").integrator, Integrator::Direct);
+    assert_eq!(scene("integrator = 'path'").integrator, Integrator::Path { bounces: None });
+    let few = Integrator::Path { bounces: Some(3) };
+    assert_eq!(scene("integrator = { path = { bounces = 3 } }").integrator, few);
+}
+
+#[test]
+fn a_surface_emits_what_its_light_says() {
+    let radiance = |keys: &str| {
+        let scene = scene(&format!("[surfaces.a]\n{keys}"));
+        let material = &scene.materials[scene.surfaces[0].material];
+        (material.emission.factor[0], material.emits_behind, material.reflectance.factor[0])
+    };
+    let close = |keys: &str, expected: f64| {
+        let (value, ..) = radiance(keys);
+        assert!((f64::from(value) / expected - 1.0).abs() < 1e-6, "{keys}: {value}");
+    };
+    close("sphere.radius = 2\nlight.power = 10", 10.0 / (16.0 * PI * PI));
+    close("quad.edge_u = [3, 0, 0]\nlight = { power = 6, two_sided = true }", 1.0 / PI);
+    close("disk = {}\nlight.exitance = '683 lx'", 1.0 / PI);
+    close("plane = {}\nlight.radiance = '1366 nit'", 2.0);
+    close("box = {}\ntransform = [{ scale = [1, 1, 2] }]\nlight.power = 10", 1.0 / PI);
+    close("cylinder.capped = false\nlight.power = 1", 1.0 / (PI * PI));
+    let mesh = "mesh = { vertices = [[0, 0, 0], [2, 0, 0], [0, 1, 0]], triangles = [[0, 1, 2]] }";
+    close(&format!("{mesh}\nlight.power = 1"), 1.0 / PI);
+    assert_eq!(radiance("disk = {}\nlight.radiance = 2"), (2.0, false, 0.0));
+    let own = "disk = {}\nmaterial = 'a'\nlight = { radiance = 2, two_sided = true }";
+    assert_eq!(radiance(&format!("{own}\n[materials.a.lambert]")), (2.0, true, 0.5));
+    let endless = complaint("surfaces.a = { plane = {}, light = { power = 1 } }");
+    assert!(endless.contains("light.power needs a radiance or exitance"), "{endless}");
+}
+
+#[test]
+fn direct_light_says_what_it_does_not_see() {
+    let mut warnings = Warnings::new();
+    let access = FileAccess::beside(Path::new("scene.toml"), &[]);
+    read("environment.uniform.radiance = 1", "scene.toml", &[], &access, &mut warnings).unwrap();
+    assert!(warnings[0].to_string().contains("is not seen by the integrator"), "{}", warnings[0]);
+}
+
+#[test]
 fn instances_repeat_after_the_originals_transform() {
     let scene = scene(
         "surfaces.ball = { sphere = {}, transform = [{ translate = [1, 0, 0] }] }
@@ -267,6 +329,19 @@ fn what_is_out_of_range_is_refused() {
         "film.filter = { gaussian = { sigma = 0 } }",
         "film.filter = { box = {}, tent = {} }",
         "luminous_efficacy = 0",
+        "integrator = 'paths'",
+        "integrator = { path = { bounces = -1 } }",
+        "environment.uniform = { radiance = -1 }",
+        "environment.gradient = { zenith = 1 }",
+        "environment.image = { file = 'sea.png' }",
+        "environment.image = { file = 'sky.png', strength = -1 }",
+        "environment = { uniform = { radiance = 1 }, image = { file = 'sky.png' } }",
+        "surfaces.a = { disk = {}, light = {} }",
+        "surfaces.a = { disk = {}, light = { power = 1, radiance = 1 } }",
+        "surfaces.a = { plane = {}, light = { power = 1 } }",
+        "materials.a.lambert = { reflectance = 0.6, mirror = 0.5 }",
+        "lights.a.sun = { direction = [0, 0, -1], irradiance = 1, angular_size = 0 }",
+        "lights.a.sun = { direction = [0, 0, -1], irradiance = 1, angular_size = 181 }",
         "background = [-1, 0, 0]",
         "background = '#fff8'",
         "shadows = { t_range = { epsilon = 0 } }",

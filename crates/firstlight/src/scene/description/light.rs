@@ -48,6 +48,15 @@ pub enum Light {
         /// Irradiance of a surface facing the light, W·m⁻².
         irradiance: Rgb,
     },
+    /// A round light infinitely far away, such as the sun: its shadows have soft edges.
+    Sun {
+        /// Unit vector in which the light from its middle travels.
+        direction: DVec3,
+        /// Irradiance of a surface facing the light, W·m⁻².
+        irradiance: Rgb,
+        /// Angle from its middle to its rim, rad, more than 0 and at most π/2.
+        angular_radius: f64,
+    },
     /// The lecture's constant ambient light: adds R_a · L_a everywhere.
     Ambient {
         /// Radiance from every direction, W·sr⁻¹·m⁻².

@@ -5,7 +5,8 @@ use glam::{Affine2, Vec2};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// A matte surface: L = (R_d / π) Σ E_i cos θ_i, plus R_a · L_a of ambient light, plus what it emits.
+/// A matte surface, perhaps with a perfect mirror over it: L = (R_d / π) Σ E_i cos θ_i, plus R_a · L_a of ambient light,
+/// plus what it mirrors, plus what it emits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
     /// The name it has in its file.
@@ -14,12 +15,18 @@ pub struct Material {
     pub reflectance: Texture,
     /// R_a for ambient light; `None`: the same as `reflectance`.
     pub ambient_reflectance: Option<Texture>,
-    /// Radiance added as seen by the camera, W·sr⁻¹·m⁻²; it lights nothing else.
+    /// The fraction of light mirrored per channel, 0..1; with R_d at most 1 in all.
+    pub mirrored: Texture,
+    /// Radiance added to what leaves the surface, W·sr⁻¹·m⁻².
     pub emission: Texture,
+    /// Whether the back emits as well as the front, if it can be seen.
+    pub emits_behind: bool,
     /// What the alpha channel of `reflectance` means.
     pub alpha: Alpha,
     /// Whether the back of the surface can be seen; otherwise camera rays pass through it.
     pub double_sided: bool,
+    /// Whether the camera sees the surface at all.
+    pub visible: bool,
 }
 
 impl Material {
@@ -29,9 +36,12 @@ impl Material {
             name: name.into(),
             reflectance: Texture::constant(reflectance),
             ambient_reflectance: None,
+            mirrored: Texture::constant(Rgb::ZERO),
             emission: Texture::constant(Rgb::ZERO),
+            emits_behind: true,
             alpha: Alpha::Opaque,
             double_sided: true,
+            visible: true,
         }
     }
 }
@@ -63,6 +73,11 @@ pub struct Texture {
 }
 
 impl Texture {
+    /// Whether it is the same everywhere on every surface.
+    pub fn is_constant(&self) -> bool {
+        self.pattern == Pattern::Constant && !self.vertex_colors
+    }
+
     /// The same colour everywhere, alpha 1.
     pub fn constant(color: Rgb) -> Self {
         Self {

@@ -4,6 +4,7 @@
 //! the file said. World space is right-handed. References between parts are indices into the vectors of
 //! [`SceneDescription`]; whoever makes one keeps them in range and every value finite ([`SceneDescription::check`]).
 
+mod environment;
 mod light;
 mod material;
 mod mesh;
@@ -11,6 +12,7 @@ mod place;
 mod shape;
 mod view;
 
+pub use environment::{EnvironmentDescription, Sky};
 pub use light::{CameraLightAmount, Light, LightDescription, SpotFalloff};
 pub use material::{
     Alpha, Material, Pattern, Pixels, Sampling, Texels, Texture, UvTransform, Wrap,
@@ -18,7 +20,9 @@ pub use material::{
 pub use mesh::Mesh;
 pub use place::Part;
 pub use shape::{Block, Cone, Cylinder, Disk, Plane, Quad, Shape, Sphere, Surface};
-pub use view::{CameraDescription, Exposure, FilmDescription, Filter, Projection, Shadows};
+pub use view::{
+    CameraDescription, Exposure, FilmDescription, Filter, Integrator, Projection, Shadows,
+};
 
 use crate::color::Rgb;
 use glam::DVec3;
@@ -33,10 +37,14 @@ pub struct SceneDescription {
     pub cameras: Vec<CameraDescription>,
     /// Resolution, samples, filter, exposure.
     pub film: FilmDescription,
+    /// How light is gathered.
+    pub integrator: Integrator,
     /// How shadow rays are kept from hitting the surface they leave.
     pub shadows: Shadows,
     /// Radiance of directions that hit nothing, W·sr⁻¹·m⁻². It lights nothing.
     pub background: Rgb,
+    /// Light from directions that hit nothing.
+    pub environment: Option<EnvironmentDescription>,
     /// Lumens per watt used to convert between photometric and radiometric units.
     pub luminous_efficacy: LuminousEfficacy,
     /// Decoded pictures that textures refer to.

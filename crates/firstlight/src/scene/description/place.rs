@@ -72,6 +72,7 @@ fn with_images_after(mut material: Material, count: usize) -> Material {
         }
     };
     move_image(&mut material.reflectance);
+    move_image(&mut material.mirrored);
     move_image(&mut material.emission);
     material.ambient_reflectance.as_mut().map(move_image);
     material
@@ -81,7 +82,7 @@ fn scale_light(light: &mut Light, factor: f32) {
     use super::CameraLightAmount::{Intensity, Irradiance};
     let quantity = match light {
         Light::Point { intensity, .. } | Light::Spot { intensity, .. } => intensity,
-        Light::Directional { irradiance, .. } => irradiance,
+        Light::Directional { irradiance, .. } | Light::Sun { irradiance, .. } => irradiance,
         Light::Ambient { radiance } => radiance,
         Light::Camera { amount: Intensity(quantity) | Irradiance(quantity) } => quantity,
     };
@@ -96,7 +97,7 @@ fn moved_light(light: &Light, by: DAffine3) -> Light {
             *position = by.transform_point3(*position);
             *direction = by.transform_vector3(*direction).normalize_or(*direction);
         }
-        Light::Directional { direction, .. } => {
+        Light::Directional { direction, .. } | Light::Sun { direction, .. } => {
             *direction = by.transform_vector3(*direction).normalize_or(*direction);
         }
         Light::Ambient { .. } | Light::Camera { .. } => {}

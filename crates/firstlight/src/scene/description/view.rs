@@ -141,6 +141,19 @@ impl Default for Filter {
     }
 }
 
+/// How light is gathered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Integrator {
+    /// The lecture's sum over the lights that are points or infinitely far away, at the surface that is seen.
+    #[default]
+    Direct,
+    /// Every way light can take: from all lights, by any number of surfaces.
+    Path {
+        /// How many surfaces may reflect it at most; `None`: as many as it takes.
+        bounces: Option<u32>,
+    },
+}
+
 /// How shadow rays are kept from hitting the surface they leave: the lecture's blunder, its two cures, and ours.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]

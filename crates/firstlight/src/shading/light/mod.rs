@@ -1,5 +1,9 @@
 //! What lights give: the irradiance they cause at a point, and from which direction.
 
+pub(crate) mod area;
+pub(crate) mod environment;
+pub(crate) mod shape;
+
 use crate::color::Rgb;
 use crate::geometry::Ray;
 use crate::scene::description::SpotFalloff;

@@ -1,0 +1,48 @@
+//! Which pair of sample dimensions decides what. Pairs are never shared, so that no decision knows of another.
+
+/// The place around the pixel's centre.
+pub(crate) const FILM: u32 = 0;
+/// The place on the lens.
+pub(crate) const LENS: u32 = 1;
+
+/// The pairs of one reflection.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Bounce(u32);
+
+impl Bounce {
+    /// Pairs of one reflection.
+    const PAIRS: u32 = 64;
+    /// Where those of suns and lights begin; there are as many as there is room for.
+    const SUNS: u32 = 8;
+    const LIGHTS: u32 = 16;
+
+    /// Of the reflection with this number, from 0.
+    pub(super) fn new(number: u32) -> Self {
+        Self(Self::PAIRS * (number + 1))
+    }
+
+    /// Where the path goes on.
+    pub(super) fn direction(self) -> u32 {
+        self.0
+    }
+
+    /// How it is reflected, and whether it goes on at all.
+    pub(super) fn choice(self) -> u32 {
+        self.0 + 1
+    }
+
+    /// Where light from far away is looked for.
+    pub(super) fn environment(self) -> u32 {
+        self.0 + 2
+    }
+
+    /// The place on the sun with this number.
+    pub(super) fn sun(self, number: u32) -> u32 {
+        self.0 + Self::SUNS + number % (Self::LIGHTS - Self::SUNS)
+    }
+
+    /// The place on the light with this number.
+    pub(super) fn light(self, number: u32) -> u32 {
+        self.0 + Self::LIGHTS + number % (Self::PAIRS - Self::LIGHTS)
+    }
+}

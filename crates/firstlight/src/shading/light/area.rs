@@ -1,0 +1,89 @@
+//! Surfaces that emit, as lights: their shapes, and which of them a ray has met.
+
+use super::shape::{CylinderSide, Ellipsoid, EllipticDisk, LightShape, Parallelogram, ShapeSample};
+use crate::geometry::{Analytic, Piece, Ray};
+use crate::shading::interaction::clearance;
+use glam::{DVec3, Vec3};
+
+/// One part of a surface that emits.
+#[derive(Debug, Clone)]
+pub(crate) struct AreaLight {
+    /// Where it is.
+    pub shape: LightShape,
+    /// The surface it belongs to.
+    pub surface: u32,
+    /// Which part of it, or which triangle.
+    pub primitive: u32,
+    /// Whether its back emits as well.
+    pub two_sided: bool,
+}
+
+impl AreaLight {
+    /// A point of the light that sends light to `from`, picked by two numbers in 0..1.
+    #[inline(always)]
+    pub(crate) fn sample(&self, from: DVec3, u: glam::DVec2) -> Option<ShapeSample> {
+        let sample = self.shape.sample(from, u)?;
+        (self.two_sided || sample.normal.dot(sample.incoming) < 0.0).then_some(sample)
+    }
+}
+
+/// All area lights, found by what a ray has met.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct AreaLights {
+    lights: Vec<AreaLight>,
+    /// For each surface, the place of its first part in `index_of`.
+    first: Vec<Option<u32>>,
+    /// For each part of an emitting surface, its light.
+    index_of: Vec<Option<u32>>,
+}
+
+impl AreaLights {
+    /// Adds the next surface. `shapes` are its parts by number, those that can be sampled; none if it does not emit.
+    pub(crate) fn push(&mut self, shapes: Vec<Option<LightShape>>, two_sided: bool) {
+        let surface = self.first.len() as u32;
+        self.first.push((!shapes.is_empty()).then_some(self.index_of.len() as u32));
+        for (primitive, shape) in shapes.into_iter().enumerate() {
+            self.index_of.push(shape.map(|_| self.lights.len() as u32));
+            let primitive = primitive as u32;
+            let light = shape.map(|shape| AreaLight { shape, surface, primitive, two_sided });
+            self.lights.extend(light);
+        }
+    }
+
+    /// All of them.
+    pub(crate) fn iter(&self) -> std::slice::Iter<'_, AreaLight> {
+        self.lights.iter()
+    }
+
+    /// The light that part `primitive` of `surface` is; `None` if it is none.
+    #[inline(always)]
+    pub(crate) fn find(&self, surface: u32, primitive: u32) -> Option<&AreaLight> {
+        let first = self.first[surface as usize]?;
+        let index = self.index_of[(first + primitive) as usize]?;
+        Some(&self.lights[index as usize])
+    }
+}
+
+/// The parts of an analytic surface as shapes of lights; `None` for those that cannot be sampled.
+pub(crate) fn shapes(surface: &Analytic) -> Vec<Option<LightShape>> {
+    let shape = |(piece, map): (Piece, _)| match piece {
+        Piece::Sphere => LightShape::Ellipsoid(Ellipsoid::new(&map)),
+        Piece::Disk => LightShape::Disk(EllipticDisk::new(&map)),
+        Piece::Square => LightShape::Parallelogram(Parallelogram::new(&map)),
+        Piece::CylinderSide => LightShape::CylinderSide(CylinderSide::new(&map)),
+    };
+    surface.pieces().into_iter().map(|piece| piece.map(shape)).collect()
+}
+
+impl ShapeSample {
+    /// The shadow ray from `start` that ends just before the light, on the side that is seen.
+    #[inline(always)]
+    pub(crate) fn shadow_ray(&self, start: Vec3, t_min: f32) -> Ray {
+        let toward = if self.normal.dot(self.incoming) < 0.0 { self.normal } else { -self.normal };
+        let (normal, position) = (toward.as_vec3(), self.position.as_vec3());
+        let end = position + clearance(normal, position.abs() + start.abs(), 0.0) * normal;
+        let distance = (end - start).length();
+        let t_max = distance * (1.0 - 4.0 * f32::EPSILON);
+        Ray { origin: start, direction: (end - start) / distance, t_min, t_max }
+    }
+}
