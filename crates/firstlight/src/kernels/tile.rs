@@ -22,6 +22,9 @@ use std::ops::Range;
 
 /// Groups with fewer live rays than this are walked on ray by ray.
 const FEW: u32 = 3;
+/// After so many boxes that groups were brought to for nothing, in excess of the others, intervals are not trusted
+/// any more in this walk: rays that start far apart, or at grazing angles, are too wide for them.
+const TOO_WIDE: i32 = 16;
 
 /// A box to be entered: child `slot` of `node`, met by `groups` not before `near`.
 #[derive(Clone, Copy)]
@@ -40,6 +43,8 @@ pub(super) struct Tile<S: Simd> {
     entry: &'static EntryPlanes,
     stack: [Entry; STACK],
     len: usize,
+    /// Boxes that groups were brought to for nothing, less those that a ray of them met.
+    wasted: i32,
     /// For rays that go on alone.
     single: Stack,
 }
@@ -55,6 +60,7 @@ impl<S: Simd> Tile<S> {
             entry: EntryPlanes::of(0),
             stack: [Entry { near: 0.0, node: 0, slot: 0, groups: 0 }; STACK],
             len: 0,
+            wasted: 0,
             single: Stack::new(),
         }
     }
@@ -112,7 +118,7 @@ impl<S: Simd> Tile<S> {
         walk: &mut Walk<O>,
     ) {
         self.aim::<ANY>(&range, walk.tree.reach);
-        self.len = 0;
+        (self.len, self.wasted) = (0, 0);
         self.enter::<ANY>(walk.tree, 0, (1_u32 << range.end) - (1 << range.start));
         while self.len > 0 {
             self.len -= 1;
@@ -121,6 +127,8 @@ impl<S: Simd> Tile<S> {
             let groups = u32::from(entry.groups) & self.simd.splat(entry.near).le(reach).bits();
             let node = &walk.tree.nodes[entry.node as usize];
             let slot = usize::from(entry.slot) % LANES;
+            let groups =
+                if self.wasted > TOO_WIDE { self.that_meet(groups, node, slot) } else { groups };
             match node.children[slot].target() {
                 Target::Node(index) if groups & groups.wrapping_sub(1) != 0 => {
                     self.enter::<ANY>(walk.tree, index, groups);
@@ -128,6 +136,19 @@ impl<S: Simd> Tile<S> {
                 _ => self.part::<O, ANY>(groups, node, slot, walk),
             }
         }
+    }
+
+    /// Those of `groups` of which a ray meets a box.
+    #[inline(always)]
+    fn that_meet(&self, groups: u32, node: &Node, slot: usize) -> u32 {
+        let (mut rest, mut met) = (groups, 0);
+        while rest != 0 {
+            let g = rest.trailing_zeros() as usize % GROUPS;
+            rest &= rest - 1;
+            let lanes = self.groups[g].meet_box(self.simd, node, slot, self.entry);
+            met |= u32::from(lanes != 0) << g;
+        }
+        met
     }
 
     /// Brings the rays of each of `groups` that meet a box to what is in it.
@@ -143,6 +164,7 @@ impl<S: Simd> Tile<S> {
             let g = groups.trailing_zeros() as usize % GROUPS;
             groups &= groups - 1;
             let lanes = self.groups[g].meet_box(self.simd, node, slot, self.entry);
+            self.wasted += if lanes == 0 { 1 } else { -1 };
             if lanes == 0 {
                 continue;
             }
