@@ -1,7 +1,7 @@
 //! From the binary tree to the eight-wide one that is traversed.
 
 use super::build::{BinaryNode, build};
-use super::collapse::{children, is_leaf, plan};
+use super::collapse::{Children, children, is_leaf, plan};
 use super::reference::{Item, Reference, Triangles};
 use crate::geometry::Bounds;
 use crate::kernels::{Child, Node, Tree, TriangleBlock};
@@ -22,13 +22,12 @@ pub(super) fn tree(mut references: Vec<Reference>, triangles: &impl Triangles) -
     Tree { nodes, blocks, bounds, reach: bounds.reach() }
 }
 
-/// A wide node to be: the root of its part of the binary tree, and the numbers of the first node and the first block
-/// among its children, which follow one another.
-#[derive(Clone, Copy)]
+/// A wide node to be: its children in the binary tree, and the numbers of the first node and the first block among
+/// them, which follow one another.
 struct Wide {
-    root: u32,
-    first_node: u32,
-    first_block: u32,
+    children: Children,
+    first_node: usize,
+    first_block: usize,
 }
 
 /// What a child becomes.
@@ -51,29 +50,32 @@ fn kind(node: &BinaryNode) -> Kind {
 /// All wide nodes and the roots of all leaves, in the order in which they will lie in memory: the children of a node
 /// side by side, depth first.
 fn number(binary: &[BinaryNode]) -> (Vec<Wide>, Vec<u32>) {
-    let (mut wide, mut leaves) = (vec![Wide { root: 0, first_node: 0, first_block: 0 }], vec![]);
+    let (mut wide, mut leaves) = (vec![Wide::new(binary, 0)], vec![]);
     let mut open = vec![0];
     while let Some(index) = open.pop() {
-        let first = wide.len();
-        wide[index].first_node = first as u32;
-        wide[index].first_block = leaves.len() as u32;
-        for &root in children(binary, wide[index].root).list() {
+        let children = wide[index].children;
+        (wide[index].first_node, wide[index].first_block) = (wide.len(), leaves.len());
+        for &root in children.list() {
             match kind(&binary[root as usize]) {
-                Kind::Node => wide.push(Wide { root, first_node: 0, first_block: 0 }),
+                Kind::Node => wide.push(Wide::new(binary, root)),
                 Kind::Block => leaves.push(root),
                 Kind::Other(_) => {}
             }
         }
-        open.extend((first..wide.len()).rev());
+        open.extend((wide[index].first_node..wide.len()).rev());
     }
     (wide, leaves)
 }
 
 impl Wide {
+    fn new(binary: &[BinaryNode], root: u32) -> Self {
+        Self { children: children(binary, root), first_node: 0, first_block: 0 }
+    }
+
     fn node(&self, binary: &[BinaryNode]) -> Node {
         let mut node = Node::empty();
-        let (mut next_node, mut next_block) = (self.first_node as usize, self.first_block as usize);
-        for (slot, &root) in children(binary, self.root).list().iter().enumerate() {
+        let (mut next_node, mut next_block) = (self.first_node, self.first_block);
+        for (slot, &root) in self.children.list().iter().enumerate() {
             let root = &binary[root as usize];
             let child = match kind(root) {
                 Kind::Node => {
