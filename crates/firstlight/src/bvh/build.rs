@@ -130,7 +130,7 @@ fn cut(references: &mut [Reference], depth: usize) -> usize {
     }
     let Some(bins) = Bins::over(references) else { return middle };
     match Table::of(&bins, references).cheapest(bins.count) {
-        Some((axis, cut)) => partition(references, &|r| bins.of(r)[axis] < cut),
+        Some((axis, cut)) => partition(references, &|r| Bins::bin(bins.place(r)[axis]) < cut),
         None => middle,
     }
 }
@@ -255,12 +255,16 @@ impl Bins {
         some.then_some(Self { lo: centers.lo, scale, count })
     }
 
-    /// The bin of a reference along each axis.
+    /// Where a reference is, in bins.
     #[inline(always)]
-    fn of(&self, reference: &Reference) -> [usize; 3] {
-        let place = (reference.center() - self.lo) * self.scale + Self::INTEGERS;
-        let bin = |x: f32| ((x.to_bits() >> Self::SHIFT) as usize) % BINS;
-        [bin(place.x), bin(place.y), bin(place.z)]
+    fn place(&self, reference: &Reference) -> Vec4 {
+        (reference.center() - self.lo) * self.scale + Self::INTEGERS
+    }
+
+    /// The bin of a place.
+    #[inline(always)]
+    fn bin(place: f32) -> usize {
+        (place.to_bits() >> Self::SHIFT) as usize % BINS
     }
 }
 
@@ -292,7 +296,9 @@ impl Table {
         }
         let mut table = Self::EMPTY;
         for reference in references {
-            for (axis, bin) in bins.of(reference).into_iter().enumerate() {
+            let place = bins.place(reference);
+            for axis in 0..3 {
+                let bin = Bins::bin(place[axis]);
                 let extent = &mut table.extents[axis][bin];
                 *extent = extent.union(reference.extent());
                 table.counts[axis][bin] += 1;

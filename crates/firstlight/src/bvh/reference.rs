@@ -58,19 +58,22 @@ impl Extent {
 
 impl Item {
     /// Bit of a word that says that it is not a triangle.
-    const OTHER: u32 = 1 << 30;
+    const OTHER: u32 = 1 << 31;
+    /// Bit of every word: read as a float, none is subnormal, with which processors reckon slowly.
+    const NORMAL: u32 = 1 << 30;
 
     /// As one word; numbers and surfaces have thirty bits.
     pub(super) fn to_bits(self) -> u32 {
         match self {
-            Self::Triangle(number) => number,
-            Self::Other(surface) => Self::OTHER | surface,
+            Self::Triangle(number) => Self::NORMAL | number,
+            Self::Other(surface) => Self::OTHER | Self::NORMAL | surface,
         }
     }
 
     /// From one word.
     pub(super) fn from_bits(bits: u32) -> Self {
-        if bits & Self::OTHER == 0 { Self::Triangle(bits) } else { Self::Other(bits ^ Self::OTHER) }
+        let number = bits & (Self::NORMAL - 1);
+        if bits & Self::OTHER == 0 { Self::Triangle(number) } else { Self::Other(number) }
     }
 }
 

@@ -26,12 +26,15 @@ pub(crate) struct MeshPart {
     pub instanced: bool,
     /// Flags of its triangles, see `kernels::layout`.
     pub flags: u32,
+    /// Whether the tree has the positions as they are in the mesh.
+    stays: bool,
     magnitude: f64,
 }
 
 impl MeshPart {
     /// A mesh under `to_world`, with flags of `kernels::layout` on its triangles.
     pub(crate) fn new(mesh: Arc<Mesh>, to_world: DAffine3, instanced: bool, flags: u32) -> Self {
+        let stays = instanced || to_world == DAffine3::IDENTITY;
         let mirrored = !instanced && to_world.matrix3.determinant() < 0.0;
         let reach = Bounds::around(mesh.positions.iter().copied()).reach();
         let m = to_world.matrix3;
@@ -44,6 +47,7 @@ impl MeshPart {
             mirrored,
             instanced,
             flags,
+            stays,
             magnitude,
         }
     }
@@ -56,7 +60,7 @@ impl MeshPart {
     /// A corner as the tree of this part has it: in the mesh's space if instanced, else in the world.
     pub(crate) fn corner(&self, index: u32) -> Vec3 {
         let p = self.mesh.positions[index as usize];
-        if self.instanced { p } else { self.to_world.transform_point3(p.as_dvec3()).as_vec3() }
+        if self.stays { p } else { self.to_world.transform_point3(p.as_dvec3()).as_vec3() }
     }
 
     /// The corners of a triangle, as [`MeshPart::corner`].
