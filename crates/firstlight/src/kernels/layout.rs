@@ -106,6 +106,18 @@ impl Child {
         Self(2 << Self::INDEX_BITS | surface)
     }
 
+    /// As a number.
+    #[inline(always)]
+    pub(super) fn bits(self) -> u32 {
+        self.0
+    }
+
+    /// From [`Child::bits`].
+    #[inline(always)]
+    pub(super) fn from_bits(bits: u32) -> Self {
+        Self(bits)
+    }
+
     #[inline(always)]
     pub(super) fn target(self) -> Target {
         let index = self.0 & ((1 << Self::INDEX_BITS) - 1);

@@ -50,9 +50,31 @@ pub(crate) struct Search<'a, S> {
     pub flags: u32,
 }
 
+/// A child that waits: where the ray enters its box in the upper half, what it is in the lower, so that of two boxes
+/// (entered at 0 or later) the nearer one is the smaller number.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Waiting(u64);
+
+impl Waiting {
+    #[inline(always)]
+    fn new(child: Child, near: f32) -> Self {
+        Self(u64::from(near.to_bits()) << 32 | u64::from(child.bits()))
+    }
+
+    #[inline(always)]
+    fn child(self) -> Child {
+        Child::from_bits(self.0 as u32)
+    }
+
+    #[inline(always)]
+    fn near(self) -> f32 {
+        f32::from_bits((self.0 >> 32) as u32)
+    }
+}
+
 /// Nodes still to be visited, the nearest on top.
 pub(crate) struct Stack {
-    entries: [(Child, f32); Stack::SIZE],
+    entries: [Waiting; Stack::SIZE],
     pub(super) len: usize,
 }
 
@@ -63,25 +85,28 @@ impl Stack {
     const SIZE: usize = (2 * 7 * Self::DEPTH).next_power_of_two();
 
     pub(super) fn new() -> Self {
-        Self { entries: [(Child::NOTHING, 0.0); Self::SIZE], len: 0 }
+        Self { entries: [Waiting::new(Child::NOTHING, 0.0); Self::SIZE], len: 0 }
     }
 
     #[inline(always)]
-    fn push(&mut self, child: Child, near: f32) {
-        self.entries[self.len % Self::SIZE] = (child, near);
+    fn push(&mut self, waiting: Waiting) {
+        self.entries[self.len % Self::SIZE] = waiting;
         self.len += 1;
     }
 
-    /// Adds a child below nearer ones, down to the level `floor`.
+    /// Adds a child below nearer ones, down to the level `floor`. Which is nearer cannot be foreseen, so that nothing
+    /// branches on it.
     #[inline(always)]
-    fn push_sorted(&mut self, child: Child, near: f32, floor: usize) {
+    fn push_sorted(&mut self, mut waiting: Waiting, floor: usize) {
         let mut i = self.len;
         self.len += 1;
-        while i > floor && self.entries[(i - 1) % Self::SIZE].1 < near {
-            self.entries[i % Self::SIZE] = self.entries[(i - 1) % Self::SIZE];
+        while i > floor {
+            let above = self.entries[(i - 1) % Self::SIZE];
+            self.entries[i % Self::SIZE] = above.min(waiting);
+            waiting = above.max(waiting);
             i -= 1;
         }
-        self.entries[i % Self::SIZE] = (child, near);
+        self.entries[floor % Self::SIZE] = waiting;
     }
 
     /// The next child nearer than `t`, above the level `base`.
@@ -89,9 +114,9 @@ impl Stack {
     pub(super) fn pop(&mut self, base: usize, t: f32) -> Option<Child> {
         while self.len > base {
             self.len -= 1;
-            let (child, near) = self.entries[self.len % Self::SIZE];
-            if near <= t {
-                return Some(child);
+            let waiting = self.entries[self.len % Self::SIZE];
+            if waiting.near() <= t {
+                return Some(waiting.child());
             }
         }
         None
@@ -246,19 +271,49 @@ impl<S: Simd> Slabs<S> {
             return Some(node.children[slot]);
         }
         let enter = enter.to_array();
+        let first = Waiting::new(node.children[slot], enter[slot]);
+        let slot = met.trailing_zeros() as usize % LANES;
+        met &= met - 1;
+        let second = Waiting::new(node.children[slot], enter[slot]);
+        tree.prefetch(self.simd, second.child());
+        let (first, second) =
+            if ANY { (second, first) } else { (first.min(second), first.max(second)) };
+        if met == 0 {
+            stack.push(second);
+            return Some(first.child());
+        }
         let floor = stack.len;
-        stack.push(node.children[slot], enter[slot]);
+        stack.push(second);
+        stack.push(first);
         while met != 0 {
             let slot = met.trailing_zeros() as usize % LANES;
             met &= met - 1;
-            tree.prefetch(self.simd, node.children[slot]);
+            let waiting = Waiting::new(node.children[slot], enter[slot]);
+            tree.prefetch(self.simd, waiting.child());
             if ANY {
-                stack.push(node.children[slot], enter[slot]);
+                stack.push(waiting);
             } else {
-                stack.push_sorted(node.children[slot], enter[slot], floor);
+                stack.push_sorted(waiting, floor);
             }
         }
         stack.len -= 1;
-        Some(stack.entries[stack.len % Stack::SIZE].0)
+        Some(stack.entries[stack.len % Stack::SIZE].child())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn children_wait_nearest_on_top_and_above_those_that_waited_before() {
+        let mut stack = Stack::new();
+        let entries = [0.5, 2.0, 0.0, 1.0, 1.0, 3.0];
+        stack.push(Waiting::new(Child::node(9), 0.25));
+        for (i, near) in entries.into_iter().enumerate() {
+            stack.push_sorted(Waiting::new(Child::node(i), near), 1);
+        }
+        let order: Vec<_> = std::iter::from_fn(|| stack.pop(0, 2.5)).collect();
+        assert_eq!(order, [2, 0, 3, 4, 1, 9].map(Child::node));
     }
 }
