@@ -8,6 +8,7 @@ use firstlight::io::{BitDepth, Format, Precision};
 use firstlight::render::Crop;
 use firstlight::scene::description::{Exposure, FilmDescription};
 use firstlight::units::{Dimension, Measure, Quantity};
+use firstlight::verify::GROUPS;
 use std::path::PathBuf;
 
 /// From a model or scene file to a correctly lit picture.
@@ -23,6 +24,7 @@ Examples:
   firstlight render scene.toml -o picture.png
   firstlight render chair.glb --azimuth 60 -r 1920x1080
   firstlight measure scene.toml --irradiance 0,0,0,0,0,1
+  firstlight verify
 
 Exit codes: 0 done, 1 failed, 2 wrong usage or bad input, 3 a strict check failed, 130 or 143 interrupted.";
 
@@ -38,6 +40,8 @@ pub(crate) enum Command {
     Schema,
     /// Measure irradiance and radiance at points of a scene
     Measure(MeasureArgs),
+    /// Measure scenes whose light is known from a formula, and say whether it is right
+    Verify(VerifyArgs),
 }
 
 /// Which scene, and what is laid over it.
@@ -195,6 +199,45 @@ Examples:
   firstlight measure scene.toml --radiance 0,-5,1,0,1,0 --json
   firstlight measure scene.toml --irradiance - < points.csv
   echo 'irradiance,0,0,0,0,0,1' | firstlight measure scene.toml";
+
+#[derive(Debug, Args)]
+#[command(after_help = VERIFY_EXAMPLES)]
+pub(crate) struct VerifyArgs {
+    /// Run the cases that take long, too
+    #[arg(long)]
+    pub all: bool,
+    /// Run only this group of cases; may be repeated
+    #[arg(long, value_name = "NAME", value_parser = group_names())]
+    pub group: Vec<String>,
+    /// Run this case, quick or not; may be repeated
+    #[arg(long, value_name = "ID", value_parser = case_names(), hide_possible_values = true)]
+    pub case: Vec<String>,
+    /// Worker threads [default: one per processor]
+    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    #[arg(allow_negative_numbers = true)]
+    pub threads: Option<u32>,
+    /// Print a report as JSON on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+const VERIFY_EXAMPLES: &str = "\
+Without options, the quick cases are run; they take about a minute. The exit code is 1 if any case fails.
+
+Examples:
+  firstlight verify
+  firstlight verify --all --json
+  firstlight verify --group cie171
+  firstlight verify --case A01-square-above";
+
+fn group_names() -> clap::builder::PossibleValuesParser {
+    GROUPS.iter().map(|(name, _)| *name).collect::<Vec<_>>().into()
+}
+
+fn case_names() -> clap::builder::PossibleValuesParser {
+    let cases = GROUPS.iter().flat_map(|(_, cases)| *cases);
+    cases.map(|case| case.id).collect::<Vec<_>>().into()
+}
 
 /// A value, or nothing at all.
 #[derive(Debug, Clone, Copy)]

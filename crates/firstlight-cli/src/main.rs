@@ -13,6 +13,7 @@ mod rows;
 mod schema;
 mod studio;
 mod verdict;
+mod verify;
 
 use args::{Arguments, Command};
 use clap::Parser;
@@ -26,6 +27,7 @@ fn main() -> ExitCode {
         Command::Info(args) => info::run(&args),
         Command::Schema => schema::run(),
         Command::Measure(args) => measure::run(&args),
+        Command::Verify(args) => verify::run(&args),
     };
     let exit = result.unwrap_or_else(|failure| {
         report::error(&failure.error);

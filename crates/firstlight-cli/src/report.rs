@@ -96,6 +96,28 @@ impl Bar {
     }
 }
 
+/// A line that names the step a long task is at, on a terminal.
+pub(crate) struct Steps(ProgressBar);
+
+impl Steps {
+    /// A line, unless nobody wants to see one.
+    pub(crate) fn new(wanted: bool) -> Self {
+        let hidden = !wanted || !stderr().is_terminal();
+        Self(if hidden { ProgressBar::hidden() } else { ProgressBar::new_spinner() })
+    }
+
+    /// Names step `number` of `count`, from 0.
+    pub(crate) fn show(&self, name: &str, number: usize, count: usize) {
+        self.0.set_message(format!("{} of {count}: {name}", number + 1));
+        self.0.tick();
+    }
+
+    /// Takes it away.
+    pub(crate) fn finish(&self) {
+        self.0.finish_and_clear();
+    }
+}
+
 /// A time span: `12 ms`, `1.2 s`, `2 min 5 s`, `3 h 20 min`.
 pub(crate) fn span(seconds: f64) -> String {
     let whole = seconds.round() as u64;

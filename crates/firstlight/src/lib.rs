@@ -57,6 +57,7 @@ mod suggest;
 #[cfg(test)]
 mod testing;
 pub mod units;
+pub mod verify;
 
 pub use camera::Camera;
 pub use film::auto_exposure;
