@@ -60,7 +60,7 @@ pub mod units;
 pub mod verify;
 
 pub use camera::Camera;
-pub use film::auto_exposure;
+pub use film::{Film, Noise, auto_exposure};
 pub use geometry::{Hit, Ray, solid_angle};
 pub use image::Image;
 pub use integrator::{Measurement, Meter, RayCounts};

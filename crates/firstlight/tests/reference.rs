@@ -75,7 +75,8 @@ fn irradiance_is(scene: &SceneDescription, at: DVec3, expected: f64) {
     let error = f64::from(measured.standard_error.x);
     assert!(error <= 1e-3 * expected, "{measured:?}");
     let off = (f64::from(measured.value.x) - expected).abs();
-    assert!(off <= 5.0 * error + 1e-5 * expected, "{measured:?} is not {expected}");
+    // Neither rounding nor what is found once in a million samples shows in the standard error.
+    assert!(off <= 4.0 * error + 3e-5 * expected, "{measured:?} is not {expected}");
 }
 
 /// The meter honours the scene's shadow setting, as the render does.

@@ -3,7 +3,7 @@
 mod common;
 
 use common::*;
-use firstlight::render::{RenderOptions, render};
+use firstlight::render::{RenderOptions, Stop, render};
 use firstlight::scene::description::*;
 use firstlight::{Image, Level, Scene, SceneDescription};
 use glam::{DVec3, Vec3};
@@ -83,7 +83,7 @@ fn a_crop_is_a_part_of_the_picture() {
 fn an_interrupted_render_keeps_what_was_done() {
     let scene = Scene::build(&with_light_at_the_eye(assortment()));
     let options = RenderOptions { threads: 1, ..RenderOptions::default() };
-    let stopped = render(&scene, &options, &|_| ControlFlow::Break(()));
+    let stopped = render(&scene, &options, &|_| ControlFlow::Break(Stop::Now));
     assert!(stopped.interrupted && stopped.samples == 0);
     let done = stopped.image.pixels().iter().filter(|p| p[3] == 1.0).count();
     assert!(done > 0 && done < 96 * 72, "one tile of {done} pixels");

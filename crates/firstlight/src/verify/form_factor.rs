@@ -67,13 +67,13 @@ fn f02(readings: &mut Readings) {
 /// By reciprocity: what the disk sees of the sphere, over rings of equal area.
 fn f04(readings: &mut Readings) {
     for (at, distance) in [("a=1", 1.0), ("a=.5", 0.5)] {
-        let (radius, rings) = (0.4, 128);
+        let (radius, rings) = (0.4, 64);
         let mut scene = scene_for_paths(0.5);
         add_with(&mut scene, ball(v(0.0, 0.0, distance), radius), 1);
         let measure = |seed| {
             scene.film.seed = seed;
             let (scene, mut random) = (Scene::build(&scene), Random::new(seed));
-            let meter = Meter::new(&scene).samples(64);
+            let meter = Meter::new(&scene).samples(1024);
             let irradiance = |ring: u32| {
                 let r = ((f64::from(ring) + random.unit()) / f64::from(rings)).sqrt();
                 f64::from(meter.irradiance(v(r, 0.0, 0.0), DVec3::Z).value.x)

@@ -39,10 +39,10 @@ pub struct Readings {
 const ROUNDING: f64 = 2.5e-6;
 /// Samples that a measurement starts with.
 const FEWEST_SAMPLES: u32 = 1 << 14;
+/// Samples up to which it gets better than it has to be.
+const CHEAP_SAMPLES: u32 = 1 << 18;
 /// Samples that it does not go beyond.
-const MOST_SAMPLES: u32 = 1 << 22;
-/// Independent repetitions of a measurement of any kind.
-const REPETITIONS: u64 = 16;
+const MOST_SAMPLES: u32 = 1 << 24;
 
 impl Reading {
     /// The difference relative to what is expected; as it is where nothing is expected.
@@ -60,6 +60,9 @@ impl Reading {
 }
 
 impl Readings {
+    /// Independent repetitions of a measurement of any kind.
+    pub(super) const REPETITIONS: u64 = 16;
+
     pub(super) fn new(tolerance: Tolerance, gain: f64) -> Self {
         Self { tolerance, gain, readings: Vec::new() }
     }
@@ -130,13 +133,14 @@ impl Readings {
         self.meter(at, |samples| Meter::new(scene).samples(samples).radiance(&ray), expected);
     }
 
-    /// What a meter shows in its first channel, with as many samples as it takes to find a bias of half the tolerance
-    /// in a table of hundreds of readings.
+    /// What a meter shows in its first channel, well enough for the tolerance; where that is cheap, well enough to find a
+    /// bias of half the tolerance in a table of hundreds of readings.
     fn meter(&mut self, at: impl ToString, measure: impl Fn(u32) -> Measurement, expected: f64) {
-        let enough = self.tolerance.of(expected) / 16.0;
+        let allowed = self.tolerance.of(expected);
         let mut samples = FEWEST_SAMPLES;
         let measured = loop {
             let measured = measure(samples);
+            let enough = if samples < CHEAP_SAMPLES { allowed / 16.0 } else { allowed / 3.0 };
             if f64::from(measured.standard_error.x) <= enough || samples >= MOST_SAMPLES {
                 break measured;
             }
@@ -154,8 +158,8 @@ impl Readings {
         measure: impl FnMut(u64) -> f64,
         expected: f64,
     ) {
-        let values: Vec<f64> = (0..REPETITIONS).map(measure).collect();
-        let n = REPETITIONS as f64;
+        let values: Vec<f64> = (0..Self::REPETITIONS).map(measure).collect();
+        let n = Self::REPETITIONS as f64;
         let mean = values.iter().sum::<f64>() / n;
         let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
         self.estimate(at, mean, (squares / (n - 1.0) / n).sqrt(), n - 1.0, expected);
