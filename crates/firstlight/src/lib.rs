@@ -59,6 +59,7 @@ mod testing;
 pub mod units;
 pub mod verify;
 
+pub use bvh::BuildQuality;
 pub use camera::Camera;
 pub use film::{Film, Noise, auto_exposure};
 pub use geometry::{Hit, Ray, solid_angle};

@@ -1,8 +1,9 @@
 //! Everything that can be hit: one tree over the world, one per mesh that stands in it more than once.
 
+use super::BuildQuality;
 use super::reference::{Item, Reference, Triangles};
 use super::wide;
-use crate::geometry::{Analytic, Bounds, Hit, Ray};
+use crate::geometry::{Analytic, Bounds, DOUBLE_ERROR, Hit, Ray};
 use crate::kernels::{FLATTENED, HitFilter, Others, Search, Stack, Tree, search};
 use crate::scene::description::Mesh;
 use crate::simd::{Level, Simd};
@@ -28,7 +29,7 @@ pub(crate) struct MeshPart {
     pub flags: u32,
     /// Whether the tree has the positions as they are in the mesh.
     stays: bool,
-    magnitude: f64,
+    error: f64,
 }
 
 impl MeshPart {
@@ -48,13 +49,13 @@ impl MeshPart {
             instanced,
             flags,
             stays,
-            magnitude,
+            error: DOUBLE_ERROR * magnitude,
         }
     }
 
-    /// The largest number that its positions are computed from, m.
-    pub(crate) fn magnitude(&self) -> f64 {
-        self.magnitude
+    /// How far its positions may be off for having been computed in double precision, m.
+    pub(crate) fn error(&self) -> f64 {
+        self.error
     }
 
     /// A corner as the tree of this part has it: in the mesh's space if instanced, else in the world.
@@ -96,14 +97,14 @@ pub(crate) struct World {
 
 impl World {
     /// Builds the trees over `parts`; surfaces are numbered in this order.
-    pub(crate) fn build(parts: Vec<Part>, level: Level) -> Self {
-        let (trees, tree_of) = instanced_trees(&parts);
+    pub(crate) fn build(parts: Vec<Part>, level: Level, quality: BuildQuality) -> Self {
+        let (trees, tree_of) = instanced_trees(&parts, quality);
         let mut builder = TopBuilder::default();
         for (surface, part) in parts.iter().enumerate() {
             builder.add(surface as u32, part, tree_of[surface].map(|i: usize| &trees[i]));
         }
         let triangles = FlattenedTriangles { parts: &parts, flattened: &builder.flattened };
-        let top = wide::tree(builder.references, &triangles);
+        let top = wide::tree(builder.references, &triangles, quality);
         let flattened = builder.flattened;
         Self { parts, top, flattened, trees, tree_of, endless: builder.endless, level }
     }
@@ -182,8 +183,13 @@ impl World {
         if hit.surface != FLATTENED {
             return *hit;
         }
-        let (surface, primitive) = locate(&self.flattened, hit.primitive);
-        Hit { surface, primitive, ..*hit }
+        let (surface, triangle) = locate(&self.flattened, hit.primitive);
+        match self.parts[surface as usize] {
+            Part::Mesh(_) => Hit { surface, primitive: triangle, ..*hit },
+            Part::Analytic(..) => {
+                Hit { surface, primitive: triangle / 2, u: 0.0, v: 0.0, t: hit.t }
+            }
+        }
     }
 }
 
@@ -255,7 +261,7 @@ fn into_object(ray: &Ray, to_object: &DAffine3) -> Ray {
 }
 
 /// One tree per instanced mesh, and which part uses which.
-fn instanced_trees(parts: &[Part]) -> (Vec<Tree>, Vec<Option<usize>>) {
+fn instanced_trees(parts: &[Part], quality: BuildQuality) -> (Vec<Tree>, Vec<Option<usize>>) {
     let (mut users, mut known) = (Vec::new(), HashMap::new());
     let mut tree_of = |part: &MeshPart| {
         *known.entry((Arc::as_ptr(&part.mesh), part.flags)).or_insert_with(|| {
@@ -268,11 +274,11 @@ fn instanced_trees(parts: &[Part]) -> (Vec<Tree>, Vec<Option<usize>>) {
         _ => None,
     };
     let tree_of_parts = parts.iter().map(instanced).collect();
-    (users.par_iter().map(mesh_tree).collect(), tree_of_parts)
+    (users.par_iter().map(|part| mesh_tree(part, quality)).collect(), tree_of_parts)
 }
 
-fn mesh_tree(part: &MeshPart) -> Tree {
-    wide::tree(triangle_references(part, 0).collect(), part)
+fn mesh_tree(part: &MeshPart, quality: BuildQuality) -> Tree {
+    wide::tree(triangle_references(part, 0).collect(), part, quality)
 }
 
 fn triangle_references(
@@ -302,7 +308,7 @@ impl Triangles for FlattenedTriangles<'_> {
         let (surface, triangle) = locate(self.flattened, number);
         match &self.parts[surface as usize] {
             Part::Mesh(part) => part.triangle(triangle),
-            Part::Analytic(..) => unreachable!("only meshes have triangles"),
+            Part::Analytic(shape, flags) => (shape.triangle(triangle), *flags),
         }
     }
 }
@@ -329,11 +335,22 @@ impl TopBuilder {
                 self.other(surface, Bounds::of_mapped(lo, hi, &part.to_world));
             }
             (Part::Mesh(_), Some(_)) => {}
-            (Part::Analytic(shape, _), _) => match shape.bounds() {
-                Some(bounds) => self.other(surface, bounds),
-                None => self.endless.push(surface),
+            (Part::Analytic(shape, _), _) => match (shape.triangle_count(), shape.bounds()) {
+                (0, Some(bounds)) => self.other(surface, bounds),
+                (0, None) => self.endless.push(surface),
+                (count, _) => self.squares(surface, shape, count),
             },
         }
+    }
+
+    /// What is made of squares goes in as `count` triangles.
+    fn squares(&mut self, surface: u32, shape: &Analytic, count: u32) {
+        self.flattened.push((self.triangles, surface));
+        self.references.extend((0..count).map(|number| {
+            let bounds = Bounds::around(shape.triangle(number));
+            Reference::new(bounds, Item::Triangle(self.triangles + number))
+        }));
+        self.triangles += count;
     }
 
     fn other(&mut self, surface: u32, bounds: Bounds) {

@@ -362,7 +362,7 @@ impl Vertex {
         let sample = light.sample(self.start.as_dvec3(), u)?;
         let (reflected, pdf) = self.reflected(sample.incoming.as_vec3())?;
         let radiance = scene.emitted_by(light, &sample) / (sample.pdf as f32 + pdf);
-        Some((sample.shadow_ray(self.start, 0.0), reflected * radiance))
+        Some((sample.shadow_ray(self.start, 0.0, light.error), reflected * radiance))
     }
 
     /// From behind everything.
