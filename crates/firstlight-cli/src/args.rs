@@ -7,8 +7,10 @@ use firstlight::io::{BitDepth, Format, Precision};
 use firstlight::render::Crop;
 use firstlight::scene::description::{Exposure, FilmDescription};
 use firstlight::units::{Dimension, Measure, Quantity};
+use firstlight::verify::GROUPS;
 use firstlight::{BuildQuality, Level};
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// From a model or scene file to a correctly lit picture.
 #[derive(Debug, Parser)]
@@ -23,6 +25,7 @@ Examples:
   firstlight render scene.toml -o picture.png
   firstlight render chair.glb --azimuth 60 -r 1920x1080
   firstlight measure scene.toml --irradiance 0,0,0,0,0,1
+  firstlight verify
 
 Exit codes: 0 done, 1 failed, 2 wrong usage or bad input, 3 a strict check failed, 130 or 143 interrupted.";
 
@@ -38,6 +41,10 @@ pub(crate) enum Command {
     Schema,
     /// Measure irradiance and radiance at points of a scene
     Measure(MeasureArgs),
+    /// Make one picture of the parts that render --samples has written
+    Merge(MergeArgs),
+    /// Measure scenes whose light is known from a formula, and say whether it is right
+    Verify(VerifyArgs),
 }
 
 /// Which scene, and what is laid over it.
@@ -59,18 +66,24 @@ pub(crate) struct InputArgs {
 pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub input: InputArgs,
-    /// The picture; its extension says the format; - is standard output [default: the scene's name with .png]
-    #[arg(short, long, value_name = "FILE")]
-    pub output: Option<PathBuf>,
-    /// File format, if the extension does not say it (- is written as png)
-    #[arg(long, value_enum)]
-    pub format: Option<FormatName>,
+    #[command(flatten)]
+    pub output: OutputArgs,
     /// Size of the picture in pixels
     #[arg(short, long, value_name = "WxH", value_parser = resolution, allow_hyphen_values = true)]
     pub resolution: Option<[u32; 2]>,
     /// Samples per pixel
     #[arg(long, value_name = "N", value_parser = samples(), allow_negative_numbers = true)]
     pub spp: Option<u32>,
+    /// Stop after so long, such as 30s or 5min, when all pixels have as many samples; without --spp, take as many as fit
+    #[arg(long, value_name = "TIME", value_parser = duration, allow_hyphen_values = true)]
+    pub time: Option<Duration>,
+    /// Stop when the standard error of pixels is this part of them, such as 2%
+    #[arg(long, value_name = "PERCENT", value_parser = noise, allow_hyphen_values = true)]
+    pub noise: Option<f64>,
+    /// Take only these of all samples per pixel, from A up to, not including, B, and write a part (.exr) for merge
+    #[arg(long, value_name = "A..B", value_parser = sample_range, allow_hyphen_values = true)]
+    #[arg(conflicts_with = "noise")]
+    pub samples: Option<[u32; 2]>,
     /// Worker threads [default: one per processor]; the picture does not depend on it
     #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     #[arg(allow_negative_numbers = true)]
@@ -110,12 +123,55 @@ pub(crate) struct RenderArgs {
     pub studio: StudioArgs,
 }
 
+/// Where a picture goes.
+#[derive(Debug, Args)]
+pub(crate) struct OutputArgs {
+    /// The picture; its extension says the format; - is standard output [default: the scene's name with .png]
+    #[arg(short, long = "output", value_name = "FILE")]
+    pub path: Option<PathBuf>,
+    /// File format, if the extension does not say it (- is written as png)
+    #[arg(long, value_enum)]
+    pub format: Option<FormatName>,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = MERGE_EXAMPLES)]
+pub(crate) struct MergeArgs {
+    /// Parts that render --samples A..B has written, in any order
+    #[arg(required = true, value_name = "PART")]
+    pub parts: Vec<PathBuf>,
+    #[command(flatten)]
+    pub output: OutputArgs,
+    /// Stops of exposure (0: radiance 1 is white), or auto [default: as the parts were to be shown]
+    #[arg(long, value_name = "EV|auto", value_parser = exposure, allow_hyphen_values = true)]
+    pub exposure: Option<Exposure>,
+    /// Make a picture even if there are samples missing
+    #[arg(long)]
+    pub partial: bool,
+    /// Print a report as JSON on standard output
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors and warnings
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+const MERGE_EXAMPLES: &str = "\
+The picture is the same, bit for bit, as that of one run with all the samples.
+
+Examples:
+  firstlight render scene.toml --spp 64 --samples 0..32 -o a.exr
+  firstlight render scene.toml --spp 64 --samples 32..64 -o b.exr
+  firstlight merge a.exr b.exr -o picture.png";
+
 const RENDER_EXAMPLES: &str = "\
 Examples:
   firstlight render scene.toml
   firstlight render scene.toml -o out.exr --spp 64 -D film.filter=mitchell
   firstlight render chair.glb --azimuth 60 --elevation 15 --ground off --transparent
   firstlight render part.stl --unit mm --key '10 klx' --headlight off
+  firstlight render scene.toml --time 30s
+  firstlight render scene.toml --noise 2% --spp 4096
   firstlight render scene.toml -o - --crop 100,80,64,64 > crop.png";
 
 /// The studio around a model file; a scene file says these things itself.
@@ -199,6 +255,45 @@ Examples:
   firstlight measure scene.toml --irradiance - < points.csv
   echo 'irradiance,0,0,0,0,0,1' | firstlight measure scene.toml";
 
+#[derive(Debug, Args)]
+#[command(after_help = VERIFY_EXAMPLES)]
+pub(crate) struct VerifyArgs {
+    /// Run the cases that take long, too
+    #[arg(long)]
+    pub all: bool,
+    /// Run only this group of cases; may be repeated
+    #[arg(long, value_name = "NAME", value_parser = group_names())]
+    pub group: Vec<String>,
+    /// Run this case, quick or not; may be repeated
+    #[arg(long, value_name = "ID", value_parser = case_names(), hide_possible_values = true)]
+    pub case: Vec<String>,
+    /// Worker threads [default: one per processor]
+    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    #[arg(allow_negative_numbers = true)]
+    pub threads: Option<u32>,
+    /// Print a report as JSON on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+const VERIFY_EXAMPLES: &str = "\
+Without options, the quick cases are run; they take about a minute. The exit code is 1 if any case fails.
+
+Examples:
+  firstlight verify
+  firstlight verify --all --json
+  firstlight verify --group cie171
+  firstlight verify --case A01-square-above";
+
+fn group_names() -> clap::builder::PossibleValuesParser {
+    GROUPS.iter().map(|(name, _)| *name).collect::<Vec<_>>().into()
+}
+
+fn case_names() -> clap::builder::PossibleValuesParser {
+    let cases = GROUPS.iter().flat_map(|(_, cases)| *cases);
+    cases.map(|case| case.id).collect::<Vec<_>>().into()
+}
+
 /// A value, or nothing at all.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Switch<T> {
@@ -280,6 +375,50 @@ fn seed(text: &str) -> Parsed<u64> {
     const LARGEST: u64 = i64::MAX as u64;
     let number = text.parse().ok().filter(|seed| *seed <= LARGEST);
     number.ok_or_else(|| format!("must be a whole number from 0 to {LARGEST}"))
+}
+
+/// A time span such as 30, 30s, 1.5min or 1h30min.
+fn duration(text: &str) -> Parsed<Duration> {
+    let wrong = || "needs a time such as 30s, 5min or 1h30min".to_owned();
+    let (mut seconds, mut rest) = (0.0, text.trim());
+    while !rest.is_empty() {
+        let end = rest.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(rest.len());
+        let number: f64 = rest[..end].parse().map_err(|_| wrong())?;
+        let after = rest[end..].trim_start();
+        let end = after.find(|c: char| c.is_ascii_digit()).unwrap_or(after.len());
+        let unit = match after[..end].trim_end() {
+            "ms" => 1e-3,
+            "" | "s" => 1.0,
+            "m" | "min" => 60.0,
+            "h" => 3600.0,
+            _ => return Err(wrong()),
+        };
+        seconds += number * unit;
+        rest = &after[end..];
+    }
+    match seconds {
+        1e-3..=1e9 => Ok(Duration::from_secs_f64(seconds)),
+        _ => Err(wrong()),
+    }
+}
+
+/// A part of one, 0.005 or 0.5%.
+fn noise(text: &str) -> Parsed<f64> {
+    let (number, unit) = match text.trim().strip_suffix('%') {
+        Some(percent) => (percent.trim_end(), 0.01),
+        None => (text.trim(), 1.0),
+    };
+    let value = number.parse().ok().map(|number: f64| number * unit);
+    let value = value.filter(|value| (1e-6..=1.0).contains(value));
+    value.ok_or_else(|| "needs a part of the picture's brightness, such as 2% or 0.02".into())
+}
+
+fn sample_range(text: &str) -> Parsed<[u32; 2]> {
+    let ends = text.split_once("..").map(|(from, to)| (from.trim().parse(), to.trim().parse()));
+    match ends {
+        Some((Ok(from), Ok(to))) if from < to => Ok([from, to]),
+        _ => Err("needs two whole numbers, the first smaller, such as 0..16".into()),
+    }
 }
 
 fn resolution(text: &str) -> Parsed<[u32; 2]> {
@@ -413,6 +552,25 @@ mod tests {
         assert_eq!(crop("1,2,3,4"), Ok(Crop { x: 1, y: 2, width: 3, height: 4 }));
         for text in ["1,2,3", "1,2,0,4", "1,2,3,0", "-1,2,3,4", "1,2,3,4,5", "a"] {
             assert!(crop(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn times_noise_and_ranges_are_read() {
+        let seconds = |text: &str| duration(text).map(|time| time.as_secs_f64()).ok();
+        assert_eq!(seconds("30"), Some(30.0));
+        assert_eq!(seconds("1h 1.5min 2s"), Some(3692.0));
+        assert_eq!(seconds("250ms"), Some(0.25));
+        for text in ["", "s", "-3", "0", "3 days", "1..2s", "inf"] {
+            assert!(duration(text).is_err(), "{text}");
+        }
+        assert_eq!((noise("0.5%"), noise("0.02")), (Ok(0.005), Ok(0.02)));
+        for text in ["", "%", "0", "-1%", "200%", "nan"] {
+            assert!(noise(text).is_err(), "{text}");
+        }
+        assert_eq!(sample_range("0..16"), Ok([0, 16]));
+        for text in ["", "3", "3..3", "4..3", "-1..3", "..", "0..x"] {
+            assert!(sample_range(text).is_err(), "{text}");
         }
     }
 

@@ -6,6 +6,7 @@ use firstlight::SceneDescription;
 use firstlight::diagnostic::{Diagnostic, Result};
 use firstlight::io::scene_file::{self, Override};
 use firstlight::io::{FileAccess, Warnings, is_scene_file, load};
+use std::ffi::OsStr;
 use std::io::Read;
 use std::path::Path;
 
@@ -28,6 +29,11 @@ impl InputArgs {
     /// The scene as it is called in messages and reports.
     pub(crate) fn name(&self) -> String {
         if self.is_stdin() { "-".into() } else { self.scene.display().to_string() }
+    }
+
+    /// The name that its pictures have if they are given none.
+    pub(crate) fn stem(&self) -> &OsStr {
+        self.scene.file_stem().filter(|_| !self.is_stdin()).unwrap_or(OsStr::new("scene"))
     }
 
     /// Access to the files of the scene.

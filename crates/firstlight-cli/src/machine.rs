@@ -31,12 +31,12 @@ fn kibibytes(file: &str, key: &str) -> Option<u64> {
 
 /// Whether a signal asked for an end. A second one ends the program at once.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Stop {
+pub(crate) struct Signal {
     asked: Arc<AtomicBool>,
     signal: Arc<AtomicUsize>,
 }
 
-impl Stop {
+impl Signal {
     /// Takes note of SIGINT and SIGTERM from now on.
     pub(crate) fn listen() -> Self {
         let stop = Self::default();

@@ -6,6 +6,7 @@ mod info;
 mod input;
 mod machine;
 mod measure;
+mod merge;
 mod output;
 mod render;
 mod report;
@@ -13,6 +14,7 @@ mod rows;
 mod schema;
 mod studio;
 mod verdict;
+mod verify;
 
 use args::{Arguments, Command};
 use clap::Parser;
@@ -26,6 +28,8 @@ fn main() -> ExitCode {
         Command::Info(args) => info::run(&args),
         Command::Schema => schema::run(),
         Command::Measure(args) => measure::run(&args),
+        Command::Merge(args) => merge::run(&args),
+        Command::Verify(args) => verify::run(&args),
     };
     let exit = result.unwrap_or_else(|failure| {
         report::error(&failure.error);

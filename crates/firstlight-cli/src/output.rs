@@ -1,6 +1,6 @@
 //! Where pictures and data go.
 
-use crate::args::RenderArgs;
+use crate::args::OutputArgs;
 use crate::{Exit, Failure, Outcome};
 use firstlight::diagnostic::Diagnostic;
 use firstlight::io::{self, Format};
@@ -19,17 +19,30 @@ pub(crate) struct Output {
 }
 
 impl Output {
-    /// Where the picture that `args` ask for goes.
-    pub(crate) fn plan(args: &RenderArgs) -> Outcome<Self> {
+    /// Where the picture that `args` ask for goes: by default, to a file called `stem`, as a PNG. With `json`, standard
+    /// output is taken.
+    pub(crate) fn plan(args: &OutputArgs, stem: &OsStr, json: bool) -> Outcome<Self> {
         let format = args.format.map(crate::args::FormatName::format);
-        let path = args.output.clone().unwrap_or_else(|| default_path(args, format));
+        let path = args.path.clone().unwrap_or_else(|| default_path(stem, format));
         if path == Path::new("-") {
-            check_stdout(args.json)?;
+            check_stdout(json)?;
             return Ok(Self { path: None, format: format.unwrap_or(PNG) });
         }
         check_path(&path)?;
         let format = choose_format(&path, format)?;
         Ok(Self { path: Some(path), format })
+    }
+
+    /// Where a part goes: to a file in the format of parts.
+    pub(crate) fn plan_part(args: &OutputArgs, stem: &OsStr, json: bool) -> Outcome<Self> {
+        let default = Some(default_path(stem, Some(PART)));
+        let path = args.path.clone().or(default.filter(|_| args.format.is_none()));
+        let output = Self::plan(&OutputArgs { path, ..*args }, stem, json)?;
+        let is_part = output.format == PART && output.path.is_some();
+        let error =
+            || Diagnostic::new(output.name(), "the samples of --samples are a part, not a picture");
+        is_part.then_some(()).ok_or_else(|| error().help("name an .exr file with -o"))?;
+        Ok(output)
     }
 
     /// The file as the user named it, or `-`.
@@ -63,10 +76,12 @@ impl Output {
 
 const PNG: Format = Format::Png { bits: io::BitDepth::Eight };
 
-/// The scene's name in the current folder.
-fn default_path(args: &RenderArgs, format: Option<Format>) -> PathBuf {
-    let stem = args.input.scene.file_stem().filter(|_| !args.input.is_stdin());
-    let mut name = stem.unwrap_or(OsStr::new("scene")).to_owned();
+/// What parts are written as.
+const PART: Format = Format::Exr { precision: io::Precision::Float };
+
+/// A name in the current folder.
+fn default_path(stem: &OsStr, format: Option<Format>) -> PathBuf {
+    let mut name = stem.to_owned();
     name.push(".");
     name.push(extension(format.unwrap_or(PNG)));
     name.into()

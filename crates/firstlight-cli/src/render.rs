@@ -3,13 +3,17 @@
 use crate::args::RenderArgs;
 use crate::check::triangles;
 use crate::input::choose_camera;
-use crate::machine::{self, Stop};
+use crate::machine::{self, Signal};
 use crate::output::{Output, print_json};
 use crate::report::{self, Bar};
 use crate::{Exit, Failure, Outcome, studio, verdict};
 use firstlight::diagnostic::{Diagnostic, Result, visible};
-use firstlight::io::{Develop, FileAccess, Format, Metadata, Warnings, save};
-use firstlight::render::{Crop, RenderOptions, Rendered, render, with_threads};
+use firstlight::io::{
+    Develop, FileAccess, Format, Metadata, Part, PartInfo, Warnings, save, save_part,
+};
+use firstlight::render::{
+    Crop, PASS as SAMPLES_PER_PASS, Progress, RenderOptions, Rendered, Stop, render, with_threads,
+};
 use firstlight::scene::description::Exposure;
 use firstlight::{Level, Scene, SceneDescription, auto_exposure};
 use serde_json::{Value, json};
@@ -17,7 +21,7 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 /// Bytes of memory per pixel: the film's sums and the picture that becomes of them.
-const PIXEL_BYTES: u64 = 64;
+const PIXEL_BYTES: u64 = 112;
 
 /// A picture with what it takes to show it.
 pub(crate) struct Picture {
@@ -29,13 +33,14 @@ pub(crate) struct Picture {
 
 pub(crate) fn run(args: RenderArgs) -> Outcome {
     let mut clock = Clock::start();
-    let output = Output::plan(&args)?;
+    let output = plan(&args)?;
     let threads = args.threads.map_or_else(machine::processors, |threads| threads as usize);
     let mut warnings = Warnings::new();
     let access = args.input.access();
     let scene = with_threads(threads, || prepare(&args, &access, &mut warnings))?;
     output.spare(&access.opened())?;
     check_size(&scene, args.crop)?;
+    check_samples(&scene, args.samples)?;
     warnings.extend(verdict::foresee(&scene));
     warnings.extend(verdict::opaque(&scene, output.format));
     report::warnings(&warnings);
@@ -43,8 +48,8 @@ pub(crate) fn run(args: RenderArgs) -> Outcome {
     let level = args.simd.0.unwrap_or_else(Level::detect);
     let built = with_threads(threads, || Scene::build_with(&scene, level, args.build.into()));
     clock.lap("build");
-    let stop = Stop::listen();
-    let picture = draw(&args, threads, &built, output.format, &stop);
+    let signal = Signal::listen();
+    let picture = draw(&args, threads, &built, output.format, &signal);
     clock.lap("render");
     let doubts = verdict::judge(&scene, &picture);
     report::warnings(&doubts);
@@ -53,10 +58,19 @@ pub(crate) fn run(args: RenderArgs) -> Outcome {
     clock.lap("write");
     let done = Done { args: &args, scene, built, picture, output, threads, warnings, clock };
     done.report()?;
-    Ok(stop.exit().unwrap_or(match args.strict && !done.warnings.is_empty() {
+    Ok(signal.exit().unwrap_or(match args.strict && !done.warnings.is_empty() {
         true => Exit::Strict,
         false => Exit::Done,
     }))
+}
+
+/// Where the picture or the part of it goes.
+fn plan(args: &RenderArgs) -> Outcome<Output> {
+    let stem = args.input.stem();
+    let Some([from, to]) = args.samples else { return Output::plan(&args.output, stem, args.json) };
+    let mut stem = stem.to_owned();
+    stem.push(format!(".{from}-{to}"));
+    Output::plan_part(&args.output, &stem, args.json)
 }
 
 /// The scene as the command line wants it.
@@ -88,6 +102,16 @@ fn set_film(scene: &mut SceneDescription, args: &RenderArgs) {
     film.transparent |= args.transparent;
 }
 
+/// Whether the picture has the samples that are asked for.
+fn check_samples(scene: &SceneDescription, samples: Option<[u32; 2]>) -> Result<()> {
+    let all = scene.film.samples;
+    let Some([from, to]) = samples.filter(|[_, to]| *to > all) else { return Ok(()) };
+    let message = format!("{from}..{to} reaches beyond the {all} samples per pixel of the picture");
+    let help =
+        format!("say with --spp, in every part, how many there are in all, such as --spp {to}");
+    Err(Box::new(Diagnostic::new("--samples", message).help(help)))
+}
+
 /// Whether the crop lies inside the picture, and the picture inside the memory there is.
 fn check_size(scene: &SceneDescription, crop: Option<Crop>) -> Result<()> {
     let (width, height) = (scene.film.width, scene.film.height);
@@ -117,19 +141,92 @@ fn too_large(Crop { width, height, .. }: Crop, needed: u64, available: u64) -> B
 }
 
 /// Renders, showing progress, until done or told to stop.
-fn draw(args: &RenderArgs, threads: usize, scene: &Scene, format: Format, stop: &Stop) -> Picture {
-    let options = RenderOptions { threads, crop: args.crop };
+fn draw(
+    args: &RenderArgs,
+    threads: usize,
+    scene: &Scene,
+    format: Format,
+    signal: &Signal,
+) -> Picture {
+    let options = RenderOptions {
+        threads,
+        crop: args.crop,
+        samples: args.samples,
+        endless: args.is_endless(),
+        // With a given number of samples, that is where it ends.
+        noise: args.noise,
+    };
     let bar = Bar::new(!args.quiet && !args.json);
-    let rendered = render(scene, &options, &|progress| {
-        bar.show(progress);
-        if stop.asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    let limits = Limits { signal, start: Instant::now(), args };
+    let mut rendered = render(scene, &options, &|progress| {
+        bar.show(progress, limits.used(progress));
+        limits.judge(progress)
     });
     bar.finish();
-    let (exposure_ev, auto_exposure) = match scene.film().exposure {
-        Exposure::Ev(ev) => (ev, false),
-        Exposure::Auto => (auto_exposure(&rendered.image), true),
-    };
-    Picture { rendered, exposure_ev, auto_exposure, format }
+    rendered.interrupted |= signal.asked();
+    Picture::new(rendered, scene.film().exposure, format)
+}
+
+impl RenderArgs {
+    /// Whether the number of samples is not known from the start.
+    fn is_endless(&self) -> bool {
+        self.noise.is_some()
+            || (self.time.is_some() && self.spp.is_none() && self.samples.is_none())
+    }
+}
+
+impl Picture {
+    /// With the exposure that is asked for, or found from the picture.
+    pub(crate) fn new(rendered: Rendered, exposure: Exposure, format: Format) -> Self {
+        let (exposure_ev, auto_exposure) = match exposure {
+            Exposure::Ev(ev) => (ev, false),
+            Exposure::Auto => (auto_exposure(&rendered.image), true),
+        };
+        Self { rendered, exposure_ev, auto_exposure, format }
+    }
+}
+
+/// What may end a render early.
+struct Limits<'a> {
+    signal: &'a Signal,
+    start: Instant,
+    args: &'a RenderArgs,
+}
+
+impl Limits<'_> {
+    /// Whether to go on. A part ends when all of its pixels have the same samples, so that the rest can be rendered later.
+    fn judge(&self, progress: Progress) -> ControlFlow<Stop> {
+        if self.signal.asked() {
+            let part = self.args.samples.is_some();
+            return ControlFlow::Break(if part { Stop::AfterPass } else { Stop::Now });
+        }
+        let too_many =
+            self.args.is_endless() && self.args.spp.is_some_and(|n| progress.samples >= n);
+        if too_many || self.is_late(progress) {
+            return ControlFlow::Break(Stop::AfterPass);
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// Whether the time is over, or would be before half of another pass is done.
+    fn is_late(&self, progress: Progress) -> bool {
+        let Some(limit) = self.args.time else { return false };
+        let elapsed = self.start.elapsed().as_secs_f64();
+        let passes = f64::from(progress.samples.div_ceil(SAMPLES_PER_PASS).max(1));
+        let soon = if progress.whole { 0.5 * elapsed / passes } else { 0.0 };
+        elapsed + soon > limit.as_secs_f64()
+    }
+
+    /// The part of the work or of the time that is used up.
+    fn used(&self, progress: Progress) -> f64 {
+        let of = |part: f64, whole: f64| part / whole;
+        let time = self
+            .args
+            .time
+            .map_or(0.0, |limit| of(self.start.elapsed().as_secs_f64(), limit.as_secs_f64()));
+        let samples = self.args.spp.map_or(0.0, |spp| of(progress.samples.into(), spp.into()));
+        progress.done.max(time).max(samples).min(1.0)
+    }
 }
 
 fn write(
@@ -138,25 +235,56 @@ fn write(
     picture: &Picture,
     output: &Output,
 ) -> Outcome<()> {
+    let info = info(args, scene, picture);
+    if args.samples.is_none() {
+        return write_picture(&info, picture, output);
+    }
+    let part = Part { info, film: picture.rendered.film.clone() };
+    let bytes = save_part(&part).map_err(|error| Failure { exit: Exit::Failed, error })?;
+    output.write(&bytes)
+}
+
+/// Writes a picture and how it was made.
+pub(crate) fn write_picture(info: &PartInfo, picture: &Picture, output: &Output) -> Outcome<()> {
     let develop = Develop { exposure_ev: picture.exposure_ev as f32 };
-    let metadata = metadata(args, scene, picture);
+    let metadata = metadata(info, picture.exposure_ev);
     let bytes = save(&picture.rendered.image, output.format, develop, &metadata)
         .map_err(|error| Failure { exit: Exit::Failed, error })?;
     output.write(&bytes)
 }
 
+/// What the picture shows, and which samples it has.
+fn info(args: &RenderArgs, scene: &SceneDescription, picture: &Picture) -> PartInfo {
+    let (film, rendered) = (&scene.film, &picture.rendered);
+    let [from, _] = args.samples.unwrap_or_default();
+    let ([x, y], [width, height]) = (rendered.film.origin(), rendered.film.size());
+    PartInfo {
+        software: Metadata::default().software,
+        // Only those who have parts to compare need it.
+        fingerprint: args.samples.map_or(String::new(), |_| scene.fingerprint()),
+        scene: args.input.name(),
+        camera: camera_name(scene).to_owned(),
+        resolution: [film.width, film.height],
+        crop: [x, y, width, height],
+        samples: film.samples,
+        seed: film.seed,
+        exposure: if let Exposure::Ev(ev) = film.exposure { Some(ev) } else { None },
+        ranges: vec![[from, from + rendered.samples]],
+    }
+}
+
 /// How the picture was made.
-fn metadata(args: &RenderArgs, scene: &SceneDescription, picture: &Picture) -> Metadata {
-    let film = &scene.film;
-    let crop = args.crop.map(|c| format!(", crop {},{},{},{}", c.x, c.y, c.width, c.height));
-    let resolution = format!("{}x{}{}", film.width, film.height, crop.unwrap_or_default());
+fn metadata(info: &PartInfo, exposure_ev: f64) -> Metadata {
+    let ([width, height], [x, y, w, h]) = (info.resolution, info.crop);
+    let crop =
+        if [w, h] == [width, height] { String::new() } else { format!(", crop {x},{y},{w},{h}") };
     let entries = [
-        ("Scene", args.input.name()),
-        ("Resolution", resolution),
-        ("Samples", picture.rendered.samples.to_string()),
-        ("Seed", film.seed.to_string()),
-        ("Exposure", format!("{:+} EV", picture.exposure_ev)),
-        ("Camera", camera_name(scene).to_owned()),
+        ("Scene", info.scene.clone()),
+        ("Resolution", format!("{width}x{height}{crop}")),
+        ("Samples", info.count().to_string()),
+        ("Seed", info.seed.to_string()),
+        ("Exposure", format!("{exposure_ev:+} EV")),
+        ("Camera", info.camera.clone()),
         ("Command", command_line()),
     ];
     let entries = entries.map(|(key, text)| (key.to_owned(), text)).to_vec();
@@ -207,7 +335,7 @@ impl Done<'_> {
         rays.total() as f64 / self.clock.seconds("render").max(1e-9)
     }
 
-    /// `wrote out.png: 1280×720, 16 spp, 1.2 s, 23 Mrays/s`.
+    /// `wrote out.png: 1280×720, 16 spp, noise at most 3.2 %, 1.2 s, 23 Mrays/s`.
     fn line(&self) -> String {
         let rendered = &self.picture.rendered;
         let (width, height) = (rendered.image.width(), rendered.image.height());
@@ -218,7 +346,8 @@ impl Done<'_> {
         };
         let (time, rate) = (report::span(self.clock.total()), report::rate(self.rays_per_second()));
         let (output, samples) = (self.output.name(), rendered.samples);
-        format!("{what} {output}: {width}×{height}, {samples} spp{exposure}, {time}, {rate}")
+        let noise = report::noise(rendered.noise, !self.args.is_endless());
+        format!("{what} {output}: {width}×{height}, {samples} spp{noise}{exposure}, {time}, {rate}")
     }
 
     fn json(&self) -> Value {
@@ -230,6 +359,7 @@ impl Done<'_> {
             "height": rendered.image.height(),
             "samples": rendered.samples,
             "interrupted": rendered.interrupted,
+            "noise": report::noise_json(rendered.noise, !self.args.is_endless()),
             "seconds": self.clock.json(),
             "rays": {
                 "camera": rendered.rays.camera,

@@ -1,5 +1,6 @@
 //! All that is said to people, on standard error.
 
+use firstlight::Noise;
 use firstlight::diagnostic::{Diagnostic, visible};
 use firstlight::render::Progress;
 use firstlight::units;
@@ -79,21 +80,67 @@ impl Bar {
         ))
     }
 
-    /// Shows how far it has come.
-    pub(crate) fn show(&self, progress: Progress) {
+    /// Shows how far it has come: `done` is in 0..1.
+    pub(crate) fn show(&self, progress: Progress, done: f64) {
         if self.0.is_hidden() {
             return;
         }
         let rays = progress.rays.total() as f64;
         let seconds = self.0.elapsed().as_secs_f64();
         self.0.set_message(format!("{:.1} Mrays/s", rays / seconds.max(1e-6) / 1e6));
-        self.0.set_position((progress.done * Self::STEPS as f64) as u64);
+        self.0.set_position((done * Self::STEPS as f64) as u64);
     }
 
     /// Takes it away.
     pub(crate) fn finish(&self) {
         self.0.finish_and_clear();
     }
+}
+
+/// A line that names the step a long task is at, on a terminal.
+pub(crate) struct Steps(ProgressBar);
+
+impl Steps {
+    /// A line, unless nobody wants to see one.
+    pub(crate) fn new(wanted: bool) -> Self {
+        let hidden = !wanted || !stderr().is_terminal();
+        Self(if hidden { ProgressBar::hidden() } else { ProgressBar::new_spinner() })
+    }
+
+    /// Names step `number` of `count`, from 0.
+    pub(crate) fn show(&self, name: &str, number: usize, count: usize) {
+        self.0.set_message(format!("{} of {count}: {name}", number + 1));
+        self.0.tick();
+    }
+
+    /// Takes it away.
+    pub(crate) fn finish(&self) {
+        self.0.finish_and_clear();
+    }
+}
+
+/// What there is to say about the noise of a picture, after a comma. The halves of one net of samples tell only how much
+/// it is `at_most`.
+pub(crate) fn noise(noise: Option<Noise>, at_most: bool) -> String {
+    let bound = if at_most { "at most " } else { "" };
+    match noise.map(|noise| 100.0 * noise.relative) {
+        None => String::new(),
+        Some(0.0) => ", no noise".into(),
+        Some(percent) if percent < 0.01 => format!(", noise {bound}0.01 %"),
+        Some(percent) if percent < 1.0 => format!(", noise {bound}{percent:.2} %"),
+        Some(percent) => format!(", noise {bound}{percent:.1} %"),
+    }
+}
+
+/// The same for a report.
+pub(crate) fn noise_json(noise: Option<Noise>, at_most: bool) -> Value {
+    let Some(Noise { relative, mean, standard_error }) = noise else { return Value::Null };
+    json!({
+        "relative_standard_error": relative,
+        "upper_bound": at_most,
+        "mean_luminance": mean,
+        "mean_standard_error": standard_error,
+    })
 }
 
 /// A time span: `12 ms`, `1.2 s`, `2 min 5 s`, `3 h 20 min`.
@@ -124,6 +171,15 @@ mod tests {
         assert_eq!(span(1.24), "1.2 s");
         assert_eq!(span(125.2), "2 min 5 s");
         assert_eq!(span(12_000.0), "3 h 20 min");
+    }
+
+    #[test]
+    fn noise_is_a_percentage() {
+        let of = |relative| Some(Noise { relative, mean: 1.0, standard_error: 0.1 });
+        assert_eq!(noise(of(0.0312), true), ", noise at most 3.1 %");
+        assert_eq!(noise(of(0.004_99), false), ", noise 0.50 %");
+        assert_eq!(noise(of(0.0), true), ", no noise");
+        assert_eq!(noise(None, true), "");
     }
 
     #[test]

@@ -57,10 +57,11 @@ mod suggest;
 #[cfg(test)]
 mod testing;
 pub mod units;
+pub mod verify;
 
 pub use bvh::BuildQuality;
 pub use camera::Camera;
-pub use film::auto_exposure;
+pub use film::{Film, Noise, auto_exposure};
 pub use geometry::{Hit, Ray, solid_angle};
 pub use image::Image;
 pub use integrator::{Measurement, Meter, RayCounts};

@@ -1,11 +1,12 @@
 //! A whole picture: passes over tiles over threads.
 
-use crate::film::{FilterSampler, Tile, assemble};
+use crate::film::{Film, FilterSampler, Half, Noise, Tile};
 use crate::geometry::Ray;
 use crate::image::Image;
 use crate::integrator::{FILM, Gatherer, LENS, RayCounts};
 use crate::sampler::{PathPoints, Sampler, pairs};
 use crate::scene::Scene;
+use crate::scene::description::FilmDescription;
 use crate::simd::{Kernel, Simd};
 use glam::Vec2;
 use rayon::prelude::*;
@@ -19,6 +20,23 @@ pub struct RenderOptions {
     pub threads: usize,
     /// Only this rectangle of the picture.
     pub crop: Option<Crop>,
+    /// Only these of the film's samples of each pixel: from the first up to, not including, the second.
+    pub samples: Option<[u32; 2]>,
+    /// Take samples until told to stop, and not as many as the film says. The noise is then known without bias, by two
+    /// halves that know nothing of each other; the picture is a little noisier than one whose number of samples is known
+    /// from the start. Negative lobes of filters are left out.
+    pub endless: bool,
+    /// Stop when the relative noise of the picture ([`Noise::relative`]) is down to this; it needs `endless`.
+    pub noise: Option<f64>,
+}
+
+/// How a render is to end before all is done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stop {
+    /// At once: some pixels get more samples than others.
+    Now,
+    /// When every pixel has as many samples as the others.
+    AfterPass,
 }
 
 /// A rectangle of pixels. It must lie inside the picture.
@@ -41,6 +59,10 @@ pub struct Progress {
     pub done: f64,
     /// Rays traced so far.
     pub rays: RayCounts,
+    /// Samples that every pixel has got so far.
+    pub samples: u32,
+    /// Whether this is the end of a pass: every pixel has got as many as the others.
+    pub whole: bool,
 }
 
 /// A picture, and what is to be said about it.
@@ -50,8 +72,12 @@ pub struct Rendered {
     pub image: Image,
     /// Samples per pixel that every pixel got.
     pub samples: u32,
-    /// Whether it was stopped before all samples were taken.
+    /// Whether it was stopped before all samples were taken and before it was good enough.
     pub interrupted: bool,
+    /// How noisy it is; `None` if there are too few samples to tell.
+    pub noise: Option<Noise>,
+    /// The sums that the picture is made of.
+    pub film: Film,
     /// Rays traced.
     pub rays: RayCounts,
     /// Camera rays that met a surface.
@@ -64,15 +90,37 @@ pub struct Rendered {
     pub first_dropped: Option<[u32; 2]>,
 }
 
+impl Rendered {
+    /// A picture of sums that were made before, with so many samples of each pixel. What its rays met is not known.
+    pub fn of_film(film: Film, samples: u32) -> Self {
+        Self {
+            image: film.image(),
+            samples,
+            interrupted: false,
+            noise: film.noise(),
+            film,
+            rays: RayCounts::default(),
+            surface_rays: 0,
+            brightest: 0.0,
+            dropped: 0,
+            first_dropped: None,
+        }
+    }
+}
+
 /// Samples per pixel in one pass over the picture.
-const PASS: u32 = 4;
+pub const PASS: u32 = 4;
+/// Samples per pixel before its noise is judged: fewer may have missed what is rare.
+const FEWEST_TO_JUDGE: u32 = 16;
+/// Samples of each half of an endless render, at most: a power of two.
+const HALF: u32 = FilmDescription::MOST_SAMPLES / 2;
 
 /// Renders the picture that the scene's film asks for. `observe` is called after each tile, from any thread, and
 /// may break off; the picture then holds what was done.
 pub fn render(
     scene: &Scene,
     options: &RenderOptions,
-    observe: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    observe: &(dyn Fn(Progress) -> ControlFlow<Stop> + Sync),
 ) -> Rendered {
     with_threads(options.threads, || Render::new(scene, options, observe).run())
 }
@@ -88,10 +136,14 @@ pub fn with_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) ->
 
 struct Render<'a> {
     scene: &'a Scene,
+    options: RenderOptions,
     filter: FilterSampler,
+    sampler: Sampler,
+    /// From the first sample of each pixel up to, not including, the last.
+    samples: [u32; 2],
     origin: [u32; 2],
     size: [u32; 2],
-    observe: &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    observe: &'a (dyn Fn(Progress) -> ControlFlow<Stop> + Sync),
     tally: Mutex<Tally>,
 }
 
@@ -100,7 +152,7 @@ struct Render<'a> {
 struct Tally {
     rays: RayCounts,
     tiles: u64,
-    stop: bool,
+    stop: Option<Stop>,
     surface_rays: u64,
     brightest: f32,
     dropped: u64,
@@ -111,14 +163,21 @@ impl<'a> Render<'a> {
     fn new(
         scene: &'a Scene,
         options: &RenderOptions,
-        observe: &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync),
+        observe: &'a (dyn Fn(Progress) -> ControlFlow<Stop> + Sync),
     ) -> Self {
         let film = scene.film();
         let whole = Crop { x: 0, y: 0, width: film.width, height: film.height };
         let crop = options.crop.unwrap_or(whole);
+        let [for_filter, for_sampler, most] = match options.endless {
+            true => [1, HALF, 2 * HALF],
+            false => [film.samples; 3],
+        };
         Self {
             scene,
-            filter: FilterSampler::new(&film.filter, film.samples),
+            options: *options,
+            filter: FilterSampler::new(&film.filter, for_filter),
+            sampler: Sampler::new(film.seed, for_sampler),
+            samples: options.samples.unwrap_or([0, most]),
             origin: [crop.x, crop.y],
             size: [crop.width, crop.height],
             observe,
@@ -127,37 +186,81 @@ impl<'a> Render<'a> {
     }
 
     fn run(&self) -> Rendered {
-        let mut tiles = Tile::cut(self.origin, self.size);
-        let samples = self.scene.film().samples;
-        let mut complete = 0;
-        while complete < samples && !self.tally().stop {
-            let pass = complete..samples.min(complete + PASS);
-            let work = tiles.len() as u64 * u64::from(samples.div_ceil(PASS));
-            tiles.par_iter_mut().for_each_init(Worker::default, |worker, tile| {
-                if !self.tally().stop {
-                    let level = self.scene.level();
-                    level.run(TilePass { render: self, tile, samples: pass.clone(), worker });
-                    self.report(worker, work);
-                }
-            });
-            if !self.tally().stop || self.tally().tiles == work {
-                complete = pass.end;
+        let mut film = Film::new(self.origin, self.size);
+        let [first, end] = self.samples;
+        let (mut next, mut judged_at, mut good) = (first, FEWEST_TO_JUDGE, false);
+        while next < end && !good && self.tally().stop.is_none() {
+            let pass = next..end.min(next + PASS);
+            self.pass(film.tiles_mut(), pass.clone());
+            if self.tally().stop != Some(Stop::Now) || self.passes_done() {
+                next = pass.end;
+            }
+            if let Some(target) = self.options.noise.filter(|_| next >= judged_at) {
+                let noise = film.noise().map_or(f64::INFINITY, |noise| noise.relative);
+                good = noise <= target;
+                judged_at = judge_again(next, noise / target);
             }
         }
         let tally = self.tally();
         Rendered {
-            image: assemble(&tiles, self.origin, self.size),
-            samples: complete,
-            interrupted: complete < samples,
+            interrupted: next < end && !good && tally.stop != Some(Stop::AfterPass),
             rays: tally.rays,
             surface_rays: tally.surface_rays,
             brightest: tally.brightest,
             dropped: tally.dropped,
             first_dropped: tally.first_dropped,
+            ..Rendered::of_film(film, next - first)
         }
     }
 
-    fn report(&self, worker: &mut Worker, work: u64) {
+    /// Takes samples of every pixel.
+    fn pass(&self, tiles: &mut [Tile], samples: std::ops::Range<u32>) {
+        tiles.par_iter_mut().for_each_init(Worker::default, |worker, tile| {
+            if self.tally().stop != Some(Stop::Now) {
+                let level = self.scene.level();
+                level.run(TilePass { render: self, tile, samples: samples.clone(), worker });
+                self.report(worker);
+            }
+        });
+    }
+
+    /// Which of the sampler's points a sample has, and which half it belongs to. Those of an endless render take turns,
+    /// pass by pass, between two sequences that know nothing of each other.
+    #[inline(always)]
+    fn point(&self, sample: u32) -> (u32, Half) {
+        if !self.options.endless {
+            let second = sample >= self.scene.film().samples.div_ceil(2);
+            return (sample, if second { Half::Second } else { Half::First });
+        }
+        let (pass, place) = (sample / PASS, sample % PASS);
+        let place = pass / 2 * PASS + place;
+        if pass % 2 == 0 { (place, Half::First) } else { (HALF + place, Half::Second) }
+    }
+
+    /// Tiles of one pass.
+    fn tiles_per_pass(&self) -> u64 {
+        self.size.map(|side| u64::from(side.div_ceil(Tile::SIDE))).into_iter().product()
+    }
+
+    /// Whether no pass is half done.
+    fn passes_done(&self) -> bool {
+        self.tally().tiles.is_multiple_of(self.tiles_per_pass())
+    }
+
+    fn progress(&self, tally: &Tally) -> Progress {
+        let [first, end] = self.samples;
+        let per_pass = self.tiles_per_pass();
+        let passes = u64::from((end - first).div_ceil(PASS));
+        let samples = u64::from(PASS) * (tally.tiles / per_pass);
+        Progress {
+            done: tally.tiles as f64 / (passes * per_pass) as f64,
+            rays: tally.rays,
+            samples: samples.min(u64::from(end - first)) as u32,
+            whole: tally.tiles.is_multiple_of(per_pass),
+        }
+    }
+
+    fn report(&self, worker: &mut Worker) {
         let mut tally = self.tally();
         tally.tiles += 1;
         tally.rays += worker.gatherer.take_counts();
@@ -172,16 +275,26 @@ impl<'a> Render<'a> {
                 .map_or(place, |p| if order(place) < order(p) { place } else { p });
             tally.first_dropped = Some(first);
         }
-        let progress = Progress { done: tally.tiles as f64 / work as f64, rays: tally.rays };
+        let progress = self.progress(&tally);
         drop(tally);
-        if (self.observe)(progress).is_break() {
-            self.tally().stop = true;
+        if let ControlFlow::Break(stop) = (self.observe)(progress) {
+            let mut tally = self.tally();
+            // What has to end at once does, whatever else was asked.
+            tally.stop = tally.stop.filter(|earlier| *earlier == Stop::Now).or(Some(stop));
         }
     }
 
     fn tally(&self) -> std::sync::MutexGuard<'_, Tally> {
         self.tally.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
+}
+
+/// The number of samples after which to judge the noise again: as many as it takes if the error falls as slowly as
+/// chance lets it, and at most twice as many, for it may have been overestimated.
+fn judge_again(samples: u32, above: f64) -> u32 {
+    let needed = f64::from(samples) * above * above;
+    let next = needed.clamp(f64::from(samples + 2 * PASS), 2.0 * f64::from(samples));
+    (next as u32).next_multiple_of(2 * PASS)
 }
 
 /// One pass over one tile, with all its stages compiled for the processor's level.
@@ -200,14 +313,15 @@ impl Kernel for TilePass<'_> {
     fn run<S: Simd>(self, _: S) {
         let Self { render, tile, samples, worker } = self;
         let (camera, film) = (render.scene.camera(), render.scene.film());
-        let sampler = Sampler::new(film.seed, film.samples);
         let Worker { pixels, points, film_points, lens_points, rays, weights, .. } = worker;
         pixels.clear();
         points.clear();
         for index in tile.order() {
             let [x, y] = tile.place(index);
-            pixels.extend(samples.clone().map(|_| index));
-            points.extend(samples.clone().map(|sample| sampler.points(x, y, sample)));
+            for (point, half) in samples.clone().map(|sample| render.point(sample)) {
+                pixels.push((index, half));
+                points.push(render.sampler.points(x, y, point));
+            }
         }
         pairs(points, FILM, film_points);
         if camera.has_lens() {
@@ -215,7 +329,7 @@ impl Kernel for TilePass<'_> {
         }
         rays.clear();
         weights.clear();
-        for (i, (&pixel, &film_point)) in pixels.iter().zip(&*film_points).enumerate() {
+        for (i, (&(pixel, _), &film_point)) in pixels.iter().zip(&*film_points).enumerate() {
             let [x, y] = tile.place(pixel);
             let (shift, weight) = render.filter.place(film_point);
             let place = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + shift;
@@ -223,8 +337,8 @@ impl Kernel for TilePass<'_> {
             weights.push(weight);
         }
         let samples = worker.gatherer.gather(render.scene, film.transparent, rays, points);
-        for ((sample, &pixel), &weight) in samples.iter().zip(&*pixels).zip(&*weights) {
-            if !tile.pixels[pixel].add(sample, weight) {
+        for ((sample, &(pixel, half)), &weight) in samples.iter().zip(&*pixels).zip(&*weights) {
+            if !tile.pixels[pixel].add(sample, weight, half) {
                 worker.dropped.get_or_insert((tile.place(pixel), 0)).1 += 1;
             }
         }
@@ -234,8 +348,8 @@ impl Kernel for TilePass<'_> {
 /// What one thread keeps from tile to tile.
 #[derive(Default)]
 struct Worker {
-    /// Index of each path's pixel in the tile.
-    pixels: Vec<usize>,
+    /// Index of each path's pixel in the tile, and the half of its samples that the path belongs to.
+    pixels: Vec<(usize, Half)>,
     /// What decides about each path.
     points: Vec<PathPoints>,
     /// Where each path crosses the film, and the lens if that matters: pairs of numbers in 0..1.

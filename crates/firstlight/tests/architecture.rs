@@ -16,6 +16,7 @@ const LAYERS: &[&[&str]] = &[
     &["scene"],
     &["integrator"],
     &["render"],
+    &["verify"],
     &["io"],
 ];
 

@@ -1,103 +1,82 @@
-//! Closed-form cases of delta lights, cameras and pictures, through the path that renders pictures.
-//! The names are those of the project's table of reference values.
+//! The quick set of the reference table, and what belongs beside it.
 
 mod common;
 
 use common::*;
-use firstlight::Scene;
 use firstlight::scene::description::*;
+use firstlight::verify::{GROUPS, Reading, greatest_z};
+use firstlight::{Meter, Scene, SceneDescription};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
-const EXACT: f64 = 1e-5;
-
-/// L01: E = P / (4π r²), L = R_d/π · E; both by the meter and by a ray that sees the floor.
-#[test]
-fn l01_point_light_on_the_axis() {
-    let mut scene = scene_of(Vec3::splat(0.5));
-    add(&mut scene, floor());
-    light(&mut scene, point_light(v(0.0, 0.0, 2.0), Vec3::splat(100.0)));
-    close(Scene::build(&scene).irradiance(DVec3::ZERO, DVec3::Z).value.x, 1.98943679, EXACT);
-    close(look(&scene, v(0.5, 0.7, 1.0), DVec3::ZERO).x, 0.316628699, EXACT);
+/// The readings of all quick cases, with their ids.
+fn quick() -> Vec<(&'static str, Reading)> {
+    let cases = GROUPS.iter().flat_map(|(_, cases)| *cases).filter(|case| case.quick);
+    cases.flat_map(|case| case.run().into_iter().map(|reading| (case.id, reading))).collect()
 }
 
-/// L02: E = P h / (4π (h² + x²)^1.5).
 #[test]
-fn l02_point_light_off_the_axis() {
-    let mut scene = scene_of(Vec3::splat(0.5));
-    add(&mut scene, floor());
-    light(&mut scene, point_light(v(0.0, 0.0, 2.0), Vec3::splat(100.0)));
-    let built = Scene::build(&scene);
-    let cases = [
-        (0.0, 1.98943679),
-        (0.5, 1.81650558),
-        (1.0, 1.42352509),
-        (1.5, 1.01859164),
-        (2.0, 0.703372122),
-        (4.0, 0.177940636),
-    ];
-    for (x, expected) in cases {
-        close(built.irradiance(v(x, 0.0, 0.0), DVec3::Z).value.x, expected, EXACT);
-        let seen = look(&scene, v(x + 0.3, 0.2, 0.9), v(x, 0.0, 0.0)).x;
-        close(seen, 0.5 / PI * expected, EXACT);
+fn the_quick_set_of_the_reference_table_passes() {
+    let readings = quick();
+    let greatest_z = greatest_z(readings.len());
+    let failed: Vec<_> = readings.iter().filter(|(_, r)| !r.passes(greatest_z)).collect();
+    assert!(failed.is_empty(), "of {} readings, these fail: {failed:#?}", readings.len());
+}
+
+/// Names are never given twice, nor are the points of a case.
+#[test]
+fn every_case_and_point_has_a_name_of_its_own() {
+    let mut names: Vec<_> = GROUPS.iter().flat_map(|(_, cases)| *cases).map(|c| c.id).collect();
+    names.sort_unstable();
+    assert!(names.windows(2).all(|pair| pair[0] != pair[1]));
+    for case in ["L02-point-offaxis", "G02-triangle-solid-angle", "K04-srgb-oetf"] {
+        let mut cases = GROUPS.iter().flat_map(|(_, cases)| *cases);
+        let case = cases.find(|c| c.id == case).expect("it is in the table");
+        let mut points: Vec<_> = case.run().into_iter().map(|reading| reading.at).collect();
+        points.sort_unstable();
+        assert!(points.windows(2).all(|pair| pair[0] != pair[1]), "{points:?}");
     }
 }
 
-/// L04: Lambert's cosine law.
+/// A renderer whose lights are all 0.1 % too bright is found out, by cases that are well within their tolerance.
 #[test]
-fn l04_lamberts_cosine_law() {
-    let mut scene = scene_of(Vec3::splat(0.5));
-    light(&mut scene, point_light(v(0.0, 0.0, 2.0), Vec3::splat(100.0)));
-    let built = Scene::build(&scene);
-    for (degrees, expected) in [
-        (0.0, 1.98943679),
-        (30.0, 1.7229028),
-        (45.0, 1.40674424),
-        (60.0, 0.994718394),
-        (75.0, 0.51490413),
-        (89.0, 0.0347204594),
-    ] {
-        let (sin, cos) = f64::to_radians(degrees).sin_cos();
-        close(built.irradiance(DVec3::ZERO, v(sin, 0.0, cos)).value.x, expected, EXACT);
-        let mut tilted = scene.clone();
-        add(&mut tilted, Shape::Plane(Plane { point: DVec3::ZERO, normal: v(sin, 0.0, cos) }));
-        let seen = look(&tilted, v(0.6, 0.2, 1.4), DVec3::ZERO).x;
-        close(seen, 0.5 / PI * expected, EXACT);
+fn a_bias_of_a_thousandth_is_found() {
+    for id in
+        ["A01-square-above", "E01-uniform-sky", "C03-emissive-sphere", "C07-point-in-sphere-centre"]
+    {
+        let mut cases = GROUPS.iter().flat_map(|(_, cases)| *cases);
+        let case = cases.find(|case| case.id == id).expect("it is in the table");
+        let greatest_z = greatest_z(500);
+        let right = case.run();
+        assert!(right.iter().all(|reading| reading.passes(greatest_z)), "{right:?}");
+        for reading in case.run_with_gain(1.001) {
+            assert!(reading.difference.abs() <= reading.allowed, "{id}: within the tolerance");
+            assert!(!reading.passes(greatest_z), "{id}: z is {}", reading.z);
+        }
     }
 }
 
 #[test]
-fn l05_two_coloured_lights() {
-    let mut scene = scene_of(Vec3::new(0.8, 0.5, 0.2));
-    add(&mut scene, floor());
-    light(&mut scene, point_light(v(1.0, 0.0, 1.0), Vec3::new(10.0, 0.0, 0.0)));
-    light(&mut scene, point_light(v(-1.0, 0.0, 2.0), Vec3::new(0.0, 20.0, 5.0)));
-    let seen = look(&scene, v(0.1, -1.0, 1.0), DVec3::ZERO);
-    close(seen.x, 0.071644896, EXACT);
-    close(seen.y, 0.0453122108, EXACT);
-    close(seen.z, 0.00453122108, EXACT);
-}
-
-/// L06: L = R_a L_a + R_d/π · E, also with R_a unlike R_d.
-#[test]
-fn l06_ambient_plus_direct() {
-    let mut scene = scene_of(Vec3::splat(0.5));
-    add(&mut scene, floor());
-    light(&mut scene, point_light(v(0.0, 0.0, 2.0), Vec3::splat(100.0)));
-    light(&mut scene, Light::Ambient { radiance: Vec3::splat(0.1) });
-    close(look(&scene, v(0.1, -1.0, 1.0), DVec3::ZERO).x, 0.366628699, EXACT);
-    scene.materials[0].ambient_reflectance = Some(Texture::constant(Vec3::splat(0.2)));
-    close(look(&scene, v(0.1, -1.0, 1.0), DVec3::ZERO).x, 0.336628699, EXACT);
+#[ignore = "the slow set: 10^8 rays take minutes"]
+fn closed_meshes_are_watertight_for_ten_to_the_eighth_rays() {
+    assert_eq!(escaped(100_000_000), 0);
 }
 
 #[test]
-fn l07_what_is_in_shadow_gets_exactly_nothing() {
-    let mut scene = scene_of(Vec3::splat(0.5));
-    add(&mut scene, floor());
-    add(&mut scene, cube(v(0.0, 0.0, 1.0), 0.1));
-    light(&mut scene, point_light(v(0.0, 0.0, 2.0), Vec3::splat(100.0)));
-    assert_eq!(look(&scene, v(0.5, -1.0, 1.0), DVec3::ZERO), Vec3::ZERO);
-    assert_eq!(Scene::build(&scene).irradiance(DVec3::ZERO, DVec3::Z).value, Vec3::ZERO);
+#[ignore = "the slow set: 10^7 rays"]
+fn ten_million_rays_that_leave_a_surface_do_not_meet_it_again() {
+    let (left, met) = reintersections(20_000, 1000);
+    assert!(left > 8_000_000, "{left} rays left");
+    assert_eq!(met, 0);
+}
+
+fn irradiance_is(scene: &SceneDescription, at: DVec3, expected: f64) {
+    let measured = Meter::new(&Scene::build(scene)).irradiance(at, DVec3::Z);
+    let error = f64::from(measured.standard_error.x);
+    assert!(error <= 1e-3 * expected, "{measured:?}");
+    let off = (f64::from(measured.value.x) - expected).abs();
+    // Neither rounding nor what is found once in a million samples shows in the standard error.
+    assert!(off <= 4.0 * error + 3e-5 * expected, "{measured:?} is not {expected}");
 }
 
 /// The meter honours the scene's shadow setting, as the render does.
@@ -107,7 +86,7 @@ fn without_shadows_the_meter_sees_every_light() {
     scene.shadows = Shadows::Off;
     add(&mut scene, cube(v(0.0, 0.0, 1.0), 0.1));
     light(&mut scene, point_light(v(0.0, 0.0, 2.0), Vec3::splat(100.0)));
-    close(Scene::build(&scene).irradiance(DVec3::ZERO, DVec3::Z).value.x, 1.98943679, EXACT);
+    close(Scene::build(&scene).irradiance(DVec3::ZERO, DVec3::Z).value.x, 1.98943679, 1e-5);
 }
 
 /// A sheet of alpha 0.4 stops 40 % of the light and of the view; chance decides, and the meter says how well it knows.
@@ -134,192 +113,30 @@ fn partly_transparent_surfaces_are_measured_with_their_error() {
     }
 }
 
+/// Half of a sun of 60° is above the horizon; the edge of a half plane cuts another in two.
 #[test]
-fn l08_what_is_behind_the_light_casts_no_shadow() {
-    let mut scene = scene_of(Vec3::splat(0.5));
-    add(&mut scene, floor());
-    add(&mut scene, cube(v(0.0, 0.0, 2.5), 0.1));
-    light(&mut scene, point_light(v(0.0, 0.0, 2.0), Vec3::splat(100.0)));
-    close(Scene::build(&scene).irradiance(DVec3::ZERO, DVec3::Z).value.x, 1.98943679, EXACT);
-    close(look(&scene, v(0.5, -1.0, 1.0), DVec3::ZERO).x, 0.316628699, EXACT);
-}
-
-#[test]
-fn l09_directional_light() {
-    for (degrees, irradiance, radiance) in [
-        (0.0, 10.0, 1.59154943),
-        (45.0, 7.07106781, 1.1253954),
-        (60.0, 5.0, 0.795774715),
-        (85.0, 0.871557427, 0.138712673),
-    ] {
-        let mut scene = scene_of(Vec3::splat(0.5));
-        add(&mut scene, floor());
-        let (sin, cos) = f64::to_radians(degrees).sin_cos();
-        let direction = v(sin, 0.0, -cos);
-        light(&mut scene, Light::Directional { direction, irradiance: Vec3::splat(10.0) });
-        close(Scene::build(&scene).irradiance(DVec3::ZERO, DVec3::Z).value.x, irradiance, EXACT);
-        close(look(&scene, v(0.2, 0.3, 1.0), DVec3::ZERO).x, radiance, EXACT);
-    }
-}
-
-/// L10 and L11: irradiance 1 m from a spot, off its axis by an angle, on a surface that faces it.
-fn spot(falloff: SpotFalloff, cases: &[(f64, f64)]) {
-    let mut scene = scene_of(Vec3::splat(0.5));
-    let (inner_angle, outer_angle) = (20_f64.to_radians(), 40_f64.to_radians());
-    let (position, direction, intensity) = (DVec3::ZERO, DVec3::X, Vec3::splat(100.0));
-    light(
-        &mut scene,
-        Light::Spot { position, direction, intensity, inner_angle, outer_angle, falloff },
+fn suns_are_cut_by_horizons_and_edges() {
+    let mut scene = scene_for_paths(0.5);
+    let sun = |direction: DVec3, degrees: f64| Light::Sun {
+        direction,
+        irradiance: Vec3::splat(10.0),
+        angular_radius: degrees.to_radians(),
+    };
+    light(&mut scene, sun(-DVec3::X, 30.0));
+    // ∫ cos over half a cone around the horizon: as A12 at 90°, for sin 30° = 1/2.
+    let (s, half) = (PI / 6.0, 0.5);
+    let lit = (s - half * s.cos()) / (PI * half * half);
+    irradiance_is(&scene, DVec3::ZERO, 10.0 * lit);
+    scene.lights[0].light = sun(-DVec3::Z, 0.265);
+    irradiance_is(&scene, DVec3::ZERO, 10.0);
+    add_with(&mut scene, quad(v(0.0, -1e3, 2.0), v(1e3, 0.0, 0.0), v(0.0, 2e3, 0.0)), 2);
+    irradiance_is(&scene, DVec3::ZERO, 5.0);
+    let rim = 2.0 * 0.265_f64.to_radians().tan();
+    irradiance_is(&scene, v(-1.01 * rim, 0.0, 0.0), 10.0);
+    assert_eq!(
+        Scene::build(&scene).irradiance(v(1.01 * rim, 0.0, 0.0), DVec3::Z).value,
+        Vec3::ZERO
     );
-    let scene = Scene::build(&scene);
-    for &(degrees, expected) in cases {
-        let (sin, cos) = degrees.to_radians().sin_cos();
-        let place = v(cos, sin, 0.0);
-        close(scene.irradiance(place, -place).value.x, expected, EXACT);
-    }
-}
-
-#[test]
-fn l10_spot_with_the_falloff_of_gltf() {
-    spot(
-        SpotFalloff::Gltf,
-        &[
-            (0.0, 100.0),
-            (15.0, 100.0),
-            (20.0, 100.0),
-            (25.0, 65.2451024),
-            (30.0, 33.1508105),
-            (35.0, 9.35347329),
-            (39.9, 0.00416528789),
-            (40.0, 0.0),
-            (50.0, 0.0),
-        ],
-    );
-}
-
-#[test]
-fn l11_spot_with_the_falloff_of_pbrt() {
-    spot(
-        SpotFalloff::Smoothstep,
-        &[
-            (0.0, 100.0),
-            (15.0, 100.0),
-            (20.0, 100.0),
-            (25.0, 90.3325743),
-            (30.0, 61.2781192),
-            (35.0, 22.3391905),
-            (39.9, 0.0124420989),
-            (40.0, 0.0),
-            (50.0, 0.0),
-        ],
-    );
-}
-
-/// L15: all the power of a light arrives on the sphere around it. Midpoints of equal areas stand in for a random
-/// choice: at a smooth integrand they leave no error to speak of.
-#[test]
-fn l15_flux_through_a_sphere_around_the_light() {
-    let mut scene = scene_of(Vec3::ZERO);
-    add(&mut scene, Shape::Sphere(Sphere { center: DVec3::ZERO, radius: 1.0 }));
-    light(&mut scene, point_light(v(0.3, 0.2, -0.1), Vec3::splat(100.0)));
-    let scene = Scene::build(&scene);
-    let (rows, columns) = (200, 400);
-    let mut sum = 0.0;
-    for row in 0..rows {
-        for column in 0..columns {
-            let z = (f64::from(row) + 0.5) / f64::from(rows) * 2.0 - 1.0;
-            let phi = (f64::from(column) + 0.5) / f64::from(columns) * 2.0 * PI;
-            let r = (1.0 - z * z).sqrt();
-            let outward = v(r * phi.cos(), r * phi.sin(), z);
-            sum += f64::from(scene.irradiance(outward, -outward).value.x);
-        }
-    }
-    close(sum / f64::from(rows * columns) * 4.0 * PI, 100.0, 2e-3);
-}
-
-/// L16: the umbra of a sphere, seen from below the sphere in a picture of 10 m × 10 m.
-#[test]
-fn l16_umbra_of_a_sphere() {
-    let mut scene = scene_of(Vec3::splat(0.5));
-    add(&mut scene, floor());
-    add(&mut scene, Shape::Sphere(Sphere { center: v(0.0, 0.0, 2.0), radius: 1.0 }));
-    light(&mut scene, point_light(v(0.0, 0.0, 4.0), Vec3::splat(100.0)));
-    let view = Projection::Orthographic { height: 10.0 };
-    scene.cameras.push(camera(v(0.0, 0.0, 0.5), DVec3::ZERO, view));
-    scene.film.width = 1000;
-    scene.film.height = 1000;
-    scene.film.samples = 1;
-    let image = picture(&scene).image;
-    let dark = image.pixels().iter().filter(|p| p[0] == 0.0).count() as f64;
-    close(dark / 1e6, 0.167551608, 1e-3);
-    close((dark / 1e6 * 100.0 / PI).sqrt(), 2.30940108, 1e-3);
-}
-
-/// K01: the part of the picture that a sphere fills.
-#[test]
-fn k01_coverage_of_a_sphere() {
-    let mut scene = scene_of(Vec3::splat(0.5));
-    add(&mut scene, Shape::Sphere(Sphere { center: DVec3::ZERO, radius: 1.0 }));
-    let view = Projection::Perspective { vertical_fov: 40_f64.to_radians() };
-    scene.cameras.push(camera(v(0.0, -5.0, 0.0), DVec3::ZERO, view));
-    scene.film = FilmDescription { width: 256, height: 256, transparent: true, ..scene.film };
-    let image = picture(&scene).image;
-    let covered: f64 = image.pixels().iter().map(|p| f64::from(p[3])).sum();
-    close(covered / (256.0 * 256.0), 0.24702841, 5e-4);
-}
-
-/// K03: a small sphere out of focus becomes a disk of diameter A |d − d_f| / d on the plane in focus. The diameter is
-/// found from the second moment of the picture, D²/16 along each axis, less that of the sphere itself, r²/4.
-#[test]
-fn k03_circle_of_confusion_of_a_thin_lens() {
-    for (depth, expected) in [(1.0, 0.1), (3.0, 0.0333333333), (10.0, 0.08)] {
-        let (focus_distance, aperture) = (2.0, 0.1);
-        let (window, radius) = (1.5 * expected, expected / 8.0);
-        let mut scene = scene_of(Vec3::ZERO);
-        let center = v(0.0, depth, 0.0);
-        let sphere = Sphere { center, radius: radius * depth / focus_distance };
-        add(&mut scene, Shape::Sphere(sphere));
-        let vertical_fov = 2.0 * f64::atan(window / 2.0 / focus_distance);
-        let view = Projection::ThinLens { vertical_fov, aperture, focus_distance };
-        scene.cameras.push(camera(DVec3::ZERO, DVec3::Y, view));
-        let filter = Filter::Box { radius: 0.5 };
-        let (width, samples) = (128, 64);
-        scene.film = FilmDescription {
-            width,
-            height: width,
-            samples,
-            filter,
-            transparent: true,
-            ..scene.film
-        };
-        let image = picture(&scene).image;
-        let (mut weight, mut moment) = (0.0, 0.0);
-        for (index, pixel) in image.pixels().iter().enumerate() {
-            let column = (index % width as usize) as f64 + 0.5;
-            let x = (column / f64::from(width) - 0.5) * window;
-            weight += f64::from(pixel[3]);
-            moment += f64::from(pixel[3]) * x * x;
-        }
-        close(4.0 * (moment / weight - radius * radius / 4.0).sqrt(), expected, 0.01);
-    }
-}
-
-/// K06: an edge at 0.3 of a pixel, under the box filter.
-#[test]
-fn k06_box_filter_at_an_edge() {
-    let mut scene = scene_of(Vec3::ZERO);
-    scene.materials[0].emission = Texture::constant(Vec3::ONE);
-    let quad =
-        Quad { corner: v(-1.0, 0.0, -1.0), edge_u: v(0.8, 0.0, 0.0), edge_v: v(0.0, 0.0, 2.0) };
-    add(&mut scene, Shape::Quad(quad));
-    scene.cameras.push(camera(
-        v(0.0, -1.0, 0.0),
-        DVec3::ZERO,
-        Projection::Orthographic { height: 1.0 },
-    ));
-    let filter = Filter::Box { radius: 0.5 };
-    scene.film = FilmDescription { width: 1, height: 1, samples: 4096, filter, ..scene.film };
-    close(picture(&scene).image.get(0, 0).x, 0.3, 0.002 / 0.3);
 }
 
 /// Every filter leaves a constant picture as it is, to the last bit.

@@ -2,11 +2,14 @@
 
 mod measure;
 mod models;
+mod parts;
 mod render;
 mod report;
 #[cfg(unix)]
 mod signals;
+mod stop;
 mod usage;
+mod verify;
 
 use std::io::Write;
 use std::path::PathBuf;

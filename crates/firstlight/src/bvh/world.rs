@@ -114,12 +114,6 @@ impl World {
         &self.parts
     }
 
-    /// A box around everything that has an end.
-    #[cfg(test)]
-    pub(crate) fn bounds(&self) -> Bounds {
-        self.top.bounds
-    }
-
     /// Bytes the trees take.
     pub(crate) fn memory(&self) -> usize {
         self.top.memory() + self.trees.iter().map(Tree::memory).sum::<usize>()

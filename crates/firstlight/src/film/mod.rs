@@ -2,12 +2,16 @@
 
 mod exposure;
 mod filter;
+mod noise;
+mod sums;
 
 pub use exposure::auto_exposure;
 pub(crate) use filter::FilterSampler;
+pub use noise::Noise;
 
-use crate::color::Rgb;
+use crate::color::{Rgb, luminance};
 use crate::image::Image;
+use sums::ExactSums;
 
 /// Radiance and coverage of one camera ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,41 +22,184 @@ pub(crate) struct Sample {
     pub alpha: f32,
 }
 
-/// The sums of one pixel.
-#[derive(Debug, Clone, Copy, Default)]
+/// Half of the samples. What the halves differ by tells how much is left to chance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Half {
+    First,
+    Second,
+}
+
+/// The sums of one pixel. They are the same for the same samples, whatever their order and in how many parts they came.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Pixel {
-    radiance: [f64; 3],
-    alpha: f64,
-    weight: f64,
-    count: u32,
+    /// Radiance per channel, and luminance of the first half.
+    sums: ExactSums<4>,
+    /// Of samples that are covered.
+    alpha: i32,
+    /// Of all samples, each 1 or −1 by its place under the filter.
+    weight: i32,
+    /// Of the first half.
+    first_weight: i32,
 }
 
 impl Pixel {
-    /// Adds a sample with the weight of its place under the filter. Returns whether it was finite; others are dropped.
+    /// Numbers of 32 bits that say all about a pixel.
+    pub(crate) const WORDS: usize = 20;
+
+    /// Adds a sample with the weight of its place under the filter, 1 or −1. Returns whether it was finite; others are
+    /// dropped.
     #[inline(always)]
-    pub(crate) fn add(&mut self, sample: &Sample, weight: f32) -> bool {
-        if !sample.radiance.is_finite() {
+    pub(crate) fn add(&mut self, sample: &Sample, weight: f32, half: Half) -> bool {
+        let seen = luminance(sample.radiance);
+        if !sample.radiance.is_finite() || !seen.is_finite() {
             return false;
         }
-        let weight = f64::from(weight);
-        for (sum, value) in self.radiance.iter_mut().zip(sample.radiance.to_array()) {
-            *sum += weight * f64::from(value);
-        }
-        self.alpha += weight * f64::from(sample.alpha);
-        self.weight += weight;
-        self.count += 1;
+        let [r, g, b] = (weight * sample.radiance).to_array();
+        let first = if half == Half::First { weight } else { 0.0 };
+        self.sums.add([r, g, b, first * seen]);
+        self.alpha += (weight * sample.alpha) as i32;
+        self.weight += weight as i32;
+        self.first_weight += first as i32;
         true
+    }
+
+    /// Adds the samples of another part.
+    pub(crate) fn merge(&mut self, other: &Self) {
+        self.sums.merge(&other.sums);
+        self.alpha = self.alpha.wrapping_add(other.alpha);
+        self.weight = self.weight.wrapping_add(other.weight);
+        self.first_weight = self.first_weight.wrapping_add(other.first_weight);
     }
 
     /// The weighted mean as linear RGBA, colour not multiplied by alpha; transparent if there is no sample.
     pub(crate) fn develop(&self) -> [f32; 4] {
-        let alpha = (self.alpha / self.weight).clamp(0.0, 1.0);
-        if self.count == 0 || alpha.is_nan() || alpha <= 0.0 {
+        let alpha = (f64::from(self.alpha) / f64::from(self.weight)).clamp(0.0, 1.0);
+        if alpha.is_nan() || alpha <= 0.0 {
             return [0.0; 4];
         }
-        let [r, g, b] = self.radiance.map(|sum| (sum / self.alpha) as f32);
+        let [r, g, b, _] = self.sums.values().map(|sum| (sum / f64::from(self.alpha)) as f32);
         [r, g, b, alpha as f32]
     }
+
+    /// Mean luminance, black where it is transparent, and its variance as the difference of the halves tells it; `None`
+    /// if one of them has no samples.
+    fn luminance(&self) -> Option<(f64, f64)> {
+        let [all, first] = [self.weight, self.first_weight].map(f64::from);
+        let second = all - first;
+        if first <= 0.0 || second <= 0.0 {
+            return None;
+        }
+        let [r, g, b, first_sum] = self.sums.values();
+        let sum = 0.2126 * r + 0.7152 * g + 0.0722 * b;
+        let difference = first_sum / first - (sum - first_sum) / second;
+        Some((sum / all, difference * difference * (first / all) * (second / all)))
+    }
+
+    /// All about it, to be stored.
+    pub(crate) fn to_words(self) -> [u32; Self::WORDS] {
+        let mut words = [0; Self::WORDS];
+        for (pair, bin) in words.chunks_exact_mut(2).zip(self.sums.bins.as_flattened()) {
+            pair.copy_from_slice(&[*bin as u32, (*bin >> 32) as u32]);
+        }
+        let weights = [self.alpha, self.weight, self.first_weight].map(|weight| weight as u32);
+        words[16..19].copy_from_slice(&weights);
+        words[19] = u32::from_le_bytes(self.sums.tops);
+        words
+    }
+
+    /// What [`Pixel::to_words`] has stored.
+    pub(crate) fn from_words(words: [u32; Self::WORDS]) -> Self {
+        let mut pixel = Self::default();
+        for (pair, bin) in words.chunks_exact(2).zip(pixel.sums.bins.as_flattened_mut()) {
+            *bin = (u64::from(pair[0]) | u64::from(pair[1]) << 32) as i64;
+        }
+        [pixel.alpha, pixel.weight, pixel.first_weight] =
+            [words[16], words[17], words[18]].map(|word| word as i32);
+        // No number has its highest bit above bin 7; a file may say anything.
+        pixel.sums.tops = words[19].to_le_bytes().map(|top| top.min(7));
+        pixel
+    }
+}
+
+/// All sums of a rectangle of the picture.
+#[derive(Debug, Clone)]
+pub struct Film {
+    /// Column of its left edge and row of its upper edge, in the whole picture.
+    origin: [u32; 2],
+    size: [u32; 2],
+    tiles: Vec<Tile>,
+}
+
+impl Film {
+    /// A black one for the rectangle at `origin` of size `size`.
+    pub(crate) fn new(origin: [u32; 2], size: [u32; 2]) -> Self {
+        Self { origin, size, tiles: Tile::cut(origin, size) }
+    }
+
+    /// The tiles, to be filled.
+    pub(crate) fn tiles_mut(&mut self) -> &mut [Tile] {
+        &mut self.tiles
+    }
+
+    /// Column and row of its upper left pixel in the whole picture.
+    pub fn origin(&self) -> [u32; 2] {
+        self.origin
+    }
+
+    /// Its width and height.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// Adds other samples of the same rectangle.
+    ///
+    /// # Panics
+    /// If it is not the same rectangle.
+    pub fn merge(&mut self, other: &Self) {
+        assert_eq!((self.origin, self.size), (other.origin, other.size), "another rectangle");
+        for (tile, other) in self.tiles.iter_mut().zip(&other.tiles) {
+            for (pixel, other) in tile.pixels.iter_mut().zip(&other.pixels) {
+                pixel.merge(other);
+            }
+        }
+    }
+
+    /// The picture: linear radiance, transparent where no sample was taken.
+    pub fn image(&self) -> Image {
+        let pixels = self.rows(Pixel::develop);
+        Image::from_pixels(self.size[0], self.size[1], pixels)
+    }
+
+    /// Something about every pixel, row by row.
+    pub(crate) fn rows<T: Clone + Default>(&self, of: impl Fn(&Pixel) -> T) -> Vec<T> {
+        let mut rows = vec![T::default(); self.size[0] as usize * self.size[1] as usize];
+        for tile in &self.tiles {
+            for (index, pixel) in tile.pixels.iter().enumerate() {
+                rows[row_index(self.origin, self.size, tile.place(index))] = of(pixel);
+            }
+        }
+        rows
+    }
+
+    /// A film of pixels that are given row by row.
+    pub(crate) fn from_rows(
+        origin: [u32; 2],
+        size: [u32; 2],
+        pixel: impl Fn(usize) -> Pixel,
+    ) -> Self {
+        let mut film = Self::new(origin, size);
+        for tile in &mut film.tiles {
+            for index in 0..tile.pixels.len() {
+                tile.pixels[index] = pixel(row_index(origin, size, tile.place(index)));
+            }
+        }
+        film
+    }
+}
+
+/// The number of the pixel in column `x`, row `y` of the whole picture, counted row by row in a rectangle of it.
+fn row_index(origin: [u32; 2], size: [u32; 2], [x, y]: [u32; 2]) -> usize {
+    (y - origin[1]) as usize * size[0] as usize + (x - origin[0]) as usize
 }
 
 /// A rectangle of pixels that one worker fills.
@@ -101,17 +248,4 @@ impl Tile {
         let (x, y) = (index as u32 % self.size[0], index as u32 / self.size[0]);
         [self.origin[0] + x, self.origin[1] + y]
     }
-}
-
-/// Puts developed tiles together to the rectangle at `origin` of size `size`.
-pub(crate) fn assemble(tiles: &[Tile], origin: [u32; 2], size: [u32; 2]) -> Image {
-    let mut pixels = vec![[0.0; 4]; size[0] as usize * size[1] as usize];
-    for tile in tiles {
-        for (index, pixel) in tile.pixels.iter().enumerate() {
-            let [x, y] = tile.place(index);
-            let row = (y - origin[1]) as usize * size[0] as usize;
-            pixels[row + (x - origin[0]) as usize] = pixel.develop();
-        }
-    }
-    Image::from_pixels(size[0], size[1], pixels)
 }

@@ -30,9 +30,6 @@ pub struct Meter<'a> {
     samples: u32,
 }
 
-/// Sequences of samples along paths. Within one, samples make up for each other's errors; only whole sequences are
-/// independent and tell how large the error is.
-const SEQUENCES: u32 = 16;
 /// Samples that are taken at a time.
 const BATCH: u32 = 1 << 10;
 
@@ -50,6 +47,10 @@ impl Scene {
 }
 
 impl<'a> Meter<'a> {
+    /// Sequences of samples along paths. Within one, samples make up for each other's errors; only whole sequences are
+    /// independent and tell how large the error is.
+    pub const SEQUENCES: u32 = 16;
+
     /// For `scene`, with a usual number of samples.
     pub fn new(scene: &'a Scene) -> Self {
         Self { scene, samples: 1 << 16 }
@@ -104,13 +105,13 @@ impl<'a> Meter<'a> {
         if self.scene.materials.iter().all(|material| material.alpha != Alpha::Blend) {
             return Measurement { value: sample(0), standard_error: Rgb::ZERO, samples: 1 };
         }
-        let repetitions = self.samples.div_ceil(SEQUENCES).max(2);
+        let repetitions = self.samples.div_ceil(Self::SEQUENCES).max(2);
         mean((0..repetitions).map(|repetition| sample(repetition).as_dvec3()))
     }
 
     /// The mean over several sequences of samples, a batch of which `gather` takes at a time.
     fn follow(&self, gather: impl Fn(&[PathPoints], &mut path::Scratch) + Sync) -> Measurement {
-        let length = self.samples.div_ceil(SEQUENCES).next_power_of_two();
+        let length = self.samples.div_ceil(Self::SEQUENCES).next_power_of_two();
         let sequence = |number: u32| {
             let seed = hash(self.scene.film().seed) ^ u64::from(number);
             let (sampler, mut scratch) = (Sampler::new(seed, length), path::Scratch::default());
@@ -123,8 +124,8 @@ impl<'a> Meter<'a> {
             });
             batches.sum::<DVec3>() / f64::from(length)
         };
-        let means: Vec<_> = (0..SEQUENCES).into_par_iter().map(sequence).collect();
-        Measurement { samples: SEQUENCES * length, ..mean(means.into_iter()) }
+        let means: Vec<_> = (0..Self::SEQUENCES).into_par_iter().map(sequence).collect();
+        Measurement { samples: Self::SEQUENCES * length, ..mean(means.into_iter()) }
     }
 }
 

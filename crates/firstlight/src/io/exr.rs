@@ -54,7 +54,7 @@ fn color(header: &Header) -> Option<Color> {
 
 /// Refuses a layer whose table of blocks is longer than the file, or one of whose blocks passes the limit.
 /// Of the ways to compress, the decoder trusts lengths in DWA and panics on sums in B44.
-fn check_blocks(input: &Input, header: &Header) -> Result<()> {
+pub(super) fn check_blocks(input: &Input, header: &Header) -> Result<()> {
     if !matches!(header.compression, Uncompressed | RLE | ZIP1 | ZIP16 | PIZ | PXR24) {
         let message = format!("EXR files with {} cannot be read", header.compression);
         return Err(input.fail(message).help("save it with ZIP or PIZ compression").into());
@@ -148,8 +148,17 @@ pub(super) fn encode(
     let size = (image.width() as usize, image.height() as usize);
     let channels = ["R", "G", "B", "A"].into_iter().enumerate();
     let channels = channels.map(|(i, name)| AnyChannel::new(name, plane(image, i, precision)));
-    let channels = AnyChannels::sort(channels.collect());
-    let layer = Layer::new(size, attributes(develop, metadata), Encoding::SMALL_LOSSLESS, channels);
+    to_file(size, attributes(develop, metadata), channels.collect())
+}
+
+/// The bytes of a file of one layer, losslessly compressed.
+pub(super) fn to_file(
+    size: (usize, usize),
+    attributes: LayerAttributes,
+    channels: Vec<AnyChannel<FlatSamples>>,
+) -> exr::error::Result<Vec<u8>> {
+    let channels = AnyChannels::sort(channels.into());
+    let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, channels);
     let mut picture = exr::image::Image::from_layer(layer);
     picture.attributes.chromaticities = Some(REC_709);
     let mut file = Cursor::new(Vec::new());
@@ -157,7 +166,7 @@ pub(super) fn encode(
     Ok(file.into_inner())
 }
 
-fn plane(image: &Image, channel: usize, precision: Precision) -> FlatSamples {
+pub(super) fn plane(image: &Image, channel: usize, precision: Precision) -> FlatSamples {
     let values = image.pixels().iter().map(|&pixel| premultiplied(pixel)[channel]);
     match precision {
         Precision::Float => FlatSamples::F32(values.collect()),
@@ -183,7 +192,7 @@ fn attributes(develop: Develop, metadata: &Metadata) -> LayerAttributes {
     attributes
 }
 
-fn utf8(text: &str) -> Text {
+pub(super) fn utf8(text: &str) -> Text {
     Text::from_slice_unchecked(text.as_bytes())
 }
 

@@ -11,6 +11,7 @@ mod hdr;
 mod load;
 pub mod model;
 pub mod obj;
+mod part;
 mod pfm;
 mod pictures;
 pub mod pixels;
@@ -25,6 +26,7 @@ mod triangles;
 pub use access::{FileAccess, Limits};
 pub use atomic::write;
 pub use load::{is_scene_file, load, model_override};
+pub use part::{Part, PartInfo, load_part, merge_parts, save_part};
 pub use pixels::load_image;
 pub use save::{BitDepth, Develop, Format, Metadata, Precision, save};
 

@@ -31,8 +31,12 @@ pub fn decode(bytes: &[u8], name: &str, limits: &Limits) -> Result<Pixels> {
         [] => return Err(input.fail("this picture file is empty").into()),
         _ => return Err(input.fail("this is not a picture in a known format").help(KNOWN).into()),
     };
-    // The decoders of other projects are careful, yet now and then one of them panics on a broken file.
-    catch_unwind(AssertUnwindSafe(|| read(&input))).unwrap_or_else(|_| Err(gave_up(&input)))
+    guarded(&input, || read(&input))
+}
+
+/// The decoders of other projects are careful, yet now and then one of them panics on a broken file.
+pub(super) fn guarded<T>(input: &Input, read: impl FnOnce() -> Result<T>) -> Result<T> {
+    catch_unwind(AssertUnwindSafe(read)).unwrap_or_else(|_| Err(gave_up(input)))
 }
 
 fn gave_up(input: &Input) -> Box<Diagnostic> {

@@ -33,6 +33,11 @@ impl Sampler {
         Self { seed, bits }
     }
 
+    /// The sequence that all others are scrambled from. Its first coordinate is the radical inverse of the index.
+    pub(crate) fn unscrambled(index: u32) -> Vec2 {
+        Vec2::new(unit(index.reverse_bits()), unit(pascal(index).reverse_bits()))
+    }
+
     /// The points of sample number `index` of the pixel in column `x`, row `y`, each below 2¹⁶.
     #[inline(always)]
     pub(crate) fn points(&self, x: u32, y: u32, index: u32) -> PathPoints {
@@ -141,13 +146,10 @@ fn unit(x: u32) -> f32 {
 mod tests {
     use super::*;
     use crate::testing::{Random, chi_squared_z};
-    use glam::DVec2;
-    use std::f64::consts::FRAC_PI_4;
 
-    /// Reference case S02: the radical inverse is the index with its bits reversed.
     #[test]
     fn the_unscrambled_sequence_is_sobols() {
-        let point = |i: u32| [i.reverse_bits(), pascal(i).reverse_bits()].map(unit);
+        let point = |i: u32| Sampler::unscrambled(i).to_array();
         let first = [[0.0, 0.0], [0.5, 0.5], [0.25, 0.75], [0.75, 0.25], [0.125, 0.625]];
         assert_eq!([0, 1, 2, 3, 4].map(point), first);
         assert_eq!(point(5), [0.625, 0.125]);
@@ -213,46 +215,6 @@ mod tests {
                 .collect();
             assert!(is_net(&points), "{side} pixels, {samples} samples");
         }
-    }
-
-    /// Root mean square error of the mean of `f` over `samples` points, over many sequences.
-    fn error(samples: u32, f: impl Fn(DVec2) -> f64, exact: f64) -> f64 {
-        const SEQUENCES: u32 = 192;
-        let squares = (0..SEQUENCES).map(|sequence| {
-            let sampler = Sampler::new(u64::from(sequence), samples);
-            let sum: f64 =
-                (0..samples).map(|i| f(sampler.points(4, 2, i).pair(sequence).as_dvec2())).sum();
-            (sum / f64::from(samples) - exact).powi(2)
-        });
-        (squares.sum::<f64>() / f64::from(SEQUENCES)).sqrt()
-    }
-
-    /// Slope of the line through (log samples, log error) that is nearest to all.
-    fn slope(errors: &[(u32, f64)]) -> f64 {
-        let points = errors.iter().map(|&(n, e)| DVec2::new(f64::from(n).ln(), e.ln()));
-        let middle = points.clone().sum::<DVec2>() / errors.len() as f64;
-        let (along, across) = points.fold((0.0, 0.0), |(along, across), p| {
-            let d = p - middle;
-            (along + d.x * d.x, across + d.x * d.y)
-        });
-        across / along
-    }
-
-    /// Reference case S05: slopes and errors. At 1024 samples, true Owen scrambling with a coin for every bit has errors
-    /// of 1.458e-5 and 2.449e-3 (1000 sequences); the table's 1.07e-5 is that of 48 sequences scrambled another way.
-    #[test]
-    fn errors_fall_as_fast_as_those_of_true_owen_scrambling() {
-        // Irradiance from a unit square, 1 above a point at (0.5, 0.2) from below its centre.
-        let smooth = |u: DVec2| (u - DVec2::new(1.0, 0.7)).extend(1.0).length_squared().powi(-2);
-        let edge = |u: DVec2| f64::from(u.length_squared() < 1.0);
-        let errors = |f: &dyn Fn(DVec2) -> f64, exact: f64| -> Vec<_> {
-            (2..=7).map(|k| (1 << (2 * k), error(1 << (2 * k), f, exact))).collect()
-        };
-        let (smooth, edge) = (errors(&smooth, 0.542951534), errors(&edge, FRAC_PI_4));
-        assert!(slope(&smooth) < -1.55496942 + 0.15, "{}", slope(&smooth));
-        assert!(slope(&edge) < -0.740952059 + 0.15, "{}", slope(&edge));
-        assert!(smooth[3].1 < 1.15 * 1.458e-5, "{smooth:?}");
-        assert!(edge[3].1 < 1.15 * 2.449e-3, "{edge:?}");
     }
 
     /// Whatever the sequence, each point is anywhere, whatever the others are: over pairs of coordinates of different

@@ -9,8 +9,6 @@ mod framing;
 mod interaction;
 mod lights;
 mod studio;
-#[cfg(test)]
-mod tests;
 
 pub(crate) use filter::{SeenByCamera, StopsLight};
 pub use framing::{bounds, frame};

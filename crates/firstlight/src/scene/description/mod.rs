@@ -5,6 +5,7 @@
 //! [`SceneDescription`]; whoever makes one keeps them in range and every value finite ([`SceneDescription::check`]).
 
 mod environment;
+mod fingerprint;
 mod light;
 mod material;
 mod mesh;

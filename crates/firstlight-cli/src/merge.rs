@@ -1,0 +1,73 @@
+//! `firstlight merge`: one picture of parts that were rendered apart.
+
+use crate::args::MergeArgs;
+use crate::output::{Output, print_json};
+use crate::render::{Picture, write_picture};
+use crate::{Exit, Outcome, machine, report};
+use firstlight::diagnostic::{Diagnostic, visible};
+use firstlight::io::{Limits, Part, PartInfo, load_part, merge_parts};
+use firstlight::render::Rendered;
+use firstlight::scene::description::Exposure;
+use serde_json::json;
+use std::ffi::OsStr;
+use std::path::Path;
+
+pub(crate) fn run(args: &MergeArgs) -> Outcome {
+    let decoded_bytes = machine::available_memory().unwrap_or(Limits::default().decoded_bytes);
+    let load = |path: &std::path::PathBuf| {
+        let part = load_part(path, &Limits { decoded_bytes })?;
+        Ok((path.display().to_string(), part))
+    };
+    let Part { info, film } = merge_parts(args.parts.iter().map(load))?;
+    check_missing(&info, args.partial)?;
+    let stem = Path::new(&info.scene).file_stem().filter(|_| info.scene != "-");
+    let output = Output::plan(&args.output, stem.unwrap_or(OsStr::new("scene")), args.json)?;
+    let inputs = args.parts.iter().filter_map(|path| path.canonicalize().ok());
+    output.spare(&inputs.collect())?;
+    let exposure = args.exposure.unwrap_or(info.exposure.map_or(Exposure::Auto, Exposure::Ev));
+    let picture = Picture::new(Rendered::of_film(film, info.count()), exposure, output.format);
+    write_picture(&info, &picture, &output)?;
+    tell(args, &info, &picture, &output)?;
+    Ok(Exit::Done)
+}
+
+/// Refuses to leave out samples unless that is wanted.
+fn check_missing(info: &PartInfo, partial: bool) -> Outcome<()> {
+    let missing: Vec<_> = info.missing().iter().map(|[from, to]| format!("{from}..{to}")).collect();
+    if missing.is_empty() || partial {
+        return Ok(());
+    }
+    let message = format!("samples {} of {} are missing", missing.join(", "), info.samples);
+    let help = format!(
+        "render them with --spp {} --samples {}, or make a picture of what there is with --partial",
+        info.samples, missing[0]
+    );
+    Err(Diagnostic::new("", message).help(help).into())
+}
+
+fn tell(args: &MergeArgs, info: &PartInfo, picture: &Picture, output: &Output) -> Outcome<()> {
+    let rendered = &picture.rendered;
+    let (width, height) = (rendered.image.width(), rendered.image.height());
+    if args.json {
+        return print_json(&json!({
+            "parts": args.parts.len(),
+            "output": output.name(),
+            "width": width,
+            "height": height,
+            "samples": info.count(),
+            "missing": info.missing(),
+            "noise": report::noise_json(rendered.noise, true),
+            "seed": info.seed,
+            "exposure_ev": picture.exposure_ev,
+        }));
+    }
+    if !args.quiet {
+        let (count, output, samples) = (args.parts.len(), output.name(), info.count());
+        let parts = if count == 1 { "part" } else { "parts" };
+        let noise = report::noise(rendered.noise, true);
+        let line =
+            format!("wrote {output}: {width}×{height}, {samples} spp of {count} {parts}{noise}");
+        report::line(visible(&line));
+    }
+    Ok(())
+}

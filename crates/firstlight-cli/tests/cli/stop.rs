@@ -1,0 +1,47 @@
+//! When a render is good enough, or has taken long enough.
+
+use super::Folder;
+use std::time::Instant;
+
+const PATH: &str =
+    "-D integrator=path -D lights.lamp.point.power=0 -D environment.uniform.radiance=1";
+
+#[test]
+fn time_ends_a_render_at_a_whole_pass() {
+    let folder = Folder::new();
+    let start = Instant::now();
+    let json = folder.run("render scene.toml --time 1s -o a.png --json").done().json();
+    assert!(start.elapsed().as_secs_f64() < 10.0);
+    let samples = json["samples"].as_u64().unwrap();
+    assert!(samples > 16 && samples.is_multiple_of(4), "{samples}");
+    assert_eq!(json["rays"]["camera"].as_u64(), Some(48 * 32 * samples));
+    assert_eq!(json["interrupted"], false);
+    assert_eq!(json["noise"]["upper_bound"], false);
+    // With a number of samples, it is that picture unless the time is over.
+    folder.run("render scene.toml --time 1h --spp 8 -o b.exr -q").done();
+    folder.run("render scene.toml --spp 8 -o c.exr -q").done();
+    let pixels = |name: &str| {
+        let bytes = std::fs::read(folder.path(name)).unwrap();
+        firstlight::io::load_image(&bytes, name, &firstlight::io::Limits::default()).unwrap()
+    };
+    assert_eq!(pixels("b.exr"), pixels("c.exr"));
+}
+
+#[test]
+fn noise_ends_a_render_when_it_is_low_enough() {
+    let folder = Folder::new();
+    let mut last = 0;
+    for (asked, most) in [("5%", 0.05), ("2%", 0.02)] {
+        let line = format!("render scene.toml --noise {asked} {PATH} -o a.png --json");
+        let json = folder.run(&line).done().json();
+        let noise = json["noise"]["relative_standard_error"].as_f64().unwrap();
+        assert!(noise <= most && noise > 0.4 * most, "{noise}");
+        let samples = json["samples"].as_u64().unwrap();
+        assert!(samples > last, "{samples}");
+        last = samples;
+    }
+    // Whichever comes first.
+    let line = format!("render scene.toml --noise 0.01% --spp 32 {PATH} -o a.png --json");
+    assert_eq!(folder.run(&line).done().json()["samples"], 32);
+    folder.run("render scene.toml --noise 1% --samples 0..4 -o a.exr").fails(2, &["--noise"]);
+}

@@ -1,0 +1,160 @@
+//! What chance picks: moments, nets, and how fast errors fall.
+
+use super::scenes::*;
+use super::statistics::slope;
+use super::{Case, Random, Readings, Tolerance};
+use crate::camera::Camera;
+use crate::color::Rgb;
+use crate::sampler::Sampler;
+use crate::scene::description::*;
+use crate::shading::bsdf::Bsdf;
+use crate::shading::light::environment::Sun;
+use crate::shading::light::shape::{LightShape, Triangle};
+use glam::{DVec2, DVec3, Vec2, Vec3};
+use std::f64::consts::{FRAC_PI_4, PI};
+
+pub(super) const CASES: &[Case] = &[
+    Case::sampled(
+        "S01-moments",
+        "moments of cosine, lens, cone and triangle sampling",
+        "integrals",
+        s01,
+    ),
+    Case::exact(
+        "S02-first-points",
+        "the first points of the unscrambled sequence",
+        "Sobol' 1967",
+        s02,
+    )
+    .within(Tolerance::Absolute(1e-7)),
+    Case::exact(
+        "S05-convergence",
+        "how the error of a smooth integral and of an edge falls from 16 to 16384 samples",
+        "Owen 1997; 1000 sequences with a coin for every bit",
+        s05,
+    )
+    .within(Tolerance::Relative(0.0)),
+    Case::exact(
+        "S06-mc-slope-full-render",
+        "how the error of a picture with bouncing light falls from 16 to 256 samples",
+        "central limit theorem",
+        s06,
+    )
+    .within(Tolerance::Relative(0.0)),
+];
+
+/// The mean of a million values.
+fn moment(readings: &mut Readings, at: &str, expected: f64, mut value: impl FnMut(Vec2) -> f64) {
+    let (n, mut random) = (1_000_000, Random::new(1));
+    let (mut sum, mut squares) = (0.0, 0.0);
+    for _ in 0..n {
+        let x = value(Vec2::new(random.unit() as f32, random.unit() as f32));
+        sum += x;
+        squares += x * x;
+    }
+    let n = f64::from(n);
+    let mean = sum / n;
+    let standard_error = ((squares / n - mean * mean) / (n - 1.0)).sqrt();
+    readings.estimate(at, mean, standard_error, f64::INFINITY, expected);
+}
+
+fn s01(readings: &mut Readings) {
+    let matte = Bsdf::Lambert { reflectance: Rgb::ONE };
+    let cosine =
+        |u| matte.sample(Vec3::Z, Vec3::Z, 0.0, u).map_or(0.0, |s| f64::from(s.incoming.z));
+    moment(readings, "cos_hemi", 2.0 / 3.0, cosine);
+    moment(readings, "cos_hemi2", 0.5, |u| cosine(u).powi(2));
+    let (vertical_fov, focus_distance) = (1.0, 1.0);
+    let lens = Projection::ThinLens { vertical_fov, aperture: 2.0, focus_distance };
+    let lens = Camera::new(&camera(DVec3::ZERO, DVec3::Y, lens), 1, 1);
+    let radius = |u| f64::from(lens.ray(Vec2::splat(0.5), u).origin.length());
+    moment(readings, "disk_r", 2.0 / 3.0, radius);
+    let cone = Sun::new(DVec3::Z, PI / 6.0, Rgb::ONE);
+    let middle = f64::midpoint(1.0, (PI / 6.0).cos());
+    moment(readings, "cone30", middle, |u| f64::from(cone.sample(u).incoming.z));
+    // From far away, equal angles are equal areas.
+    let triangle = LightShape::Triangle(Triangle::new([DVec3::ZERO, DVec3::X, DVec3::Y]));
+    let first =
+        |u: Vec2| triangle.sample(v(0.3, 0.3, 1e4), u.as_dvec2()).map_or(0.0, |s| s.position.x);
+    moment(readings, "tri_b0", 1.0 / 3.0, first);
+}
+
+/// Its first coordinate is the radical inverse in base 2.
+fn s02(readings: &mut Readings) {
+    for (index, expected) in [0.5, 0.25, 0.75, 0.125, 0.625].into_iter().enumerate() {
+        let point = Sampler::unscrambled(index as u32 + 1);
+        readings.exact(format!("b2({})", index + 1), point.x, expected);
+    }
+}
+
+/// Root mean square error of the mean of `f` over `samples` points, over many sequences.
+fn error(samples: u32, f: impl Fn(DVec2) -> f64, exact: f64) -> f64 {
+    const SEQUENCES: u32 = 192;
+    let squares = (0..SEQUENCES).map(|sequence| {
+        let sampler = Sampler::new(u64::from(sequence), samples);
+        let sum: f64 =
+            (0..samples).map(|i| f(sampler.points(4, 2, i).pair(sequence).as_dvec2())).sum();
+        (sum / f64::from(samples) - exact).powi(2)
+    });
+    (squares.sum::<f64>() / f64::from(SEQUENCES)).sqrt()
+}
+
+/// Slopes may be worse by 0.15 than what was measured elsewhere, errors at 1024 samples by a quarter.
+fn s05(readings: &mut Readings) {
+    // Irradiance from a unit square, 1 above a point at (0.5, 0.2) from below its centre.
+    let smooth = |u: DVec2| (u - DVec2::new(1.0, 0.7)).extend(1.0).length_squared().powi(-2);
+    let edge = |u: DVec2| f64::from(u.length_squared() < 1.0);
+    let mut falls =
+        |at: &str, f: &dyn Fn(DVec2) -> f64, exact: f64, steepness: f64, at_1024: f64| {
+            let errors: Vec<_> =
+                (2..=7).map(|k| (1 << (2 * k), error(1 << (2 * k), f, exact))).collect();
+            readings.at_most(format!("{at}/sobol-owen slope"), slope(&errors), steepness + 0.15);
+            readings.at_most(format!("{at}/sobol-owen rmse_at_1024"), errors[3].1, 1.25 * at_1024);
+        };
+    falls("smooth", &smooth, 0.542951534, -1.55496942, 1.458e-5);
+    falls("edge", &edge, FRAC_PI_4, -0.740952059, 2.449e-3);
+}
+
+/// A room with a lamp and a box.
+fn room() -> SceneDescription {
+    let mut scene = scene_for_paths(0.6);
+    scene.materials[1] = emitter(5.0, 0.0);
+    add(&mut scene, cube(DVec3::ZERO, 2.0));
+    add_with(&mut scene, panel(v(0.0, 0.2, 0.99), 0.6, 0.6), 1);
+    add(&mut scene, cube(v(0.3, 0.3, -0.7), 0.6));
+    let view = Projection::Perspective { vertical_fov: 1.2 };
+    scene.cameras.push(camera(v(0.0, -0.95, 0.0), v(0.0, 1.0, -0.1), view));
+    scene.film = FilmDescription { width: 8, height: 8, ..scene.film };
+    scene
+}
+
+/// Root mean square deviation of the pixels of pictures with other seeds from their mean.
+fn deviation(scene: &SceneDescription, samples: u32) -> f64 {
+    const SEEDS: u32 = 8;
+    let mut scene = scene.clone();
+    scene.film.samples = samples;
+    let pictures: Vec<Vec<f64>> = (0..SEEDS)
+        .map(|seed| {
+            scene.film.seed = u64::from(seed);
+            picture(&scene).image.pixels().iter().map(|pixel| f64::from(pixel[0])).collect()
+        })
+        .collect();
+    let pixels = pictures[0].len();
+    let variance = |pixel: usize| {
+        let values = pictures.iter().map(|picture| picture[pixel]);
+        let mean = values.clone().sum::<f64>() / f64::from(SEEDS);
+        values.map(|value| (value - mean).powi(2)).sum::<f64>() / f64::from(SEEDS - 1)
+    };
+    ((0..pixels).map(variance).sum::<f64>() / pixels as f64).sqrt()
+}
+
+/// No slower than by chance, and with no number of samples worse than as many that know nothing of each other.
+fn s06(readings: &mut Readings) {
+    let scene = room();
+    let one = deviation(&scene, 1);
+    let errors: Vec<_> = (4..=8).step_by(2).map(|k| (1 << k, deviation(&scene, 1 << k))).collect();
+    readings.at_most("slope", slope(&errors), -0.5 + 0.03);
+    for (samples, error) in errors {
+        readings.at_most(format!("{samples} samples"), error, one / f64::from(samples).sqrt());
+    }
+}
