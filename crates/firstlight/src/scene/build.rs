@@ -6,7 +6,7 @@ use super::description::{
     Alpha, CameraLightAmount, Integrator, Light, LightDescription, Material, SceneDescription,
     Shape, Surface,
 };
-use super::lights::{area_lights, environment};
+use super::lights::{LocalLights, area_lights, environment, mean_emission};
 use crate::bvh::{MeshPart, Part, World};
 use crate::camera::Camera;
 use crate::color::Rgb;
@@ -40,14 +40,21 @@ impl Scene {
         let material_of: Vec<_> = description.surfaces.iter().map(|s| s.material as u32).collect();
         let sky = description.environment.as_ref();
         let lights = description.lights.iter();
+        let lights = lights.filter_map(|l| light(l, &camera, description.integrator));
+        let lights: Vec<_> = lights.collect();
+        let area_lights = area_lights(&world, &material_of, &description.materials);
         Self {
-            area_lights: area_lights(&world, &material_of, &description.materials),
+            local_lights: LocalLights::new(&lights, &area_lights, |surface| {
+                let material = &description.materials[material_of[surface as usize] as usize];
+                mean_emission(material, &description.images)
+            }),
+            area_lights,
             environment: sky.map(|sky| (environment(sky), sky.visible)),
             world,
             material_of,
             materials: description.materials.clone(),
             images: description.images.clone(),
-            lights: lights.filter_map(|l| light(l, &camera, description.integrator)).collect(),
+            lights,
             suns: description.lights.iter().filter_map(sun).collect(),
             ambient,
             background: description.background,

@@ -1,15 +1,22 @@
 //! Lights that have an extent: which surfaces emit, and what.
 
 use super::Scene;
-use super::description::{Alpha, EnvironmentDescription, Material, SceneDescription, Surface};
+use super::description::{
+    Alpha, EnvironmentDescription, Material, Pattern, Pixels, SceneDescription, Surface, Texture,
+    Wrap,
+};
 use crate::bvh::{MeshPart, Part, World};
 use crate::color::Rgb;
 use crate::geometry::{Hit, Ray};
 use crate::shading::interaction::SurfaceInteraction;
+use crate::shading::light::Light;
 use crate::shading::light::area::{AreaLight, AreaLights, shapes};
 use crate::shading::light::environment::{Aim, Environment};
 use crate::shading::light::shape::{LightShape, ShapeSample, Triangle};
-use glam::{DMat3, Vec3, Vec4Swizzles};
+use crate::shading::light::tree::LightTree;
+use crate::shading::texture::texel;
+use glam::{DMat3, DVec4, Vec2, Vec3, Vec4, Vec4Swizzles};
+use std::sync::Arc;
 
 /// The lights that the surfaces are.
 pub(super) fn area_lights(
@@ -49,6 +56,92 @@ fn triangles(part: &MeshPart) -> Vec<Option<LightShape>> {
     (0..part.mesh.triangles.len() as u32).map(triangle).collect()
 }
 
+/// Radiance that a material emits on average over its picture, and over the channels, W·sr⁻¹·m⁻².
+pub(super) fn mean_emission(material: &Material, images: &[Arc<Pixels>]) -> f32 {
+    let Texture { factor, pattern, .. } = &material.emission;
+    let pattern = match pattern {
+        Pattern::Constant => Vec4::ONE,
+        Pattern::Checker { colors: [a, b], .. } => {
+            0.5 * (Vec4::from_array(*a) + Vec4::from_array(*b))
+        }
+        Pattern::Image { image, .. } => mean(&images[*image]),
+    };
+    (Vec4::from_array(*factor) * pattern).xyz().element_sum() / 3.0
+}
+
+/// Mean linear RGBA of a picture.
+fn mean(pixels: &Pixels) -> Vec4 {
+    let count = pixels.width as usize * pixels.height as usize;
+    let place = |i: usize| {
+        let (x, y) = (i % pixels.width as usize, i / pixels.width as usize);
+        Vec2::new(x as f32, y as f32)
+    };
+    let texels = (0..count).map(|i| texel(pixels, place(i), [Wrap::Clamp; 2]).as_dvec4());
+    (texels.sum::<DVec4>() / count as f64).as_vec4()
+}
+
+/// Lights that are somewhere, as opposed to everywhere or infinitely far away: those without extent in the order of
+/// the scene's, then those that surfaces are.
+#[derive(Debug, Clone)]
+pub(crate) struct LocalLights {
+    /// Places of the lights without extent in [`Scene::lights`].
+    points: Vec<u32>,
+    count: u32,
+    tree: LightTree,
+}
+
+/// One of [`LocalLights`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum LocalLight {
+    /// Place in [`Scene::lights`].
+    Point(u32),
+    /// Place in [`Scene::area_lights`].
+    Area(u32),
+}
+
+impl LocalLights {
+    /// `mean_emission` is that of a surface.
+    pub(super) fn new(
+        lights: &[Light],
+        area_lights: &AreaLights,
+        mean_emission: impl Fn(u32) -> f32,
+    ) -> Self {
+        let mut points = Vec::new();
+        let mut bounds = Vec::new();
+        for (place, of_light) in (0..).zip(lights.iter().map(Light::bounds)) {
+            if let Some(of_light) = of_light {
+                points.push(place);
+                bounds.push(of_light);
+            }
+        }
+        bounds.extend(area_lights.iter().map(|light| light.bounds(mean_emission(light.surface))));
+        Self { points, count: bounds.len() as u32, tree: LightTree::build(&bounds) }
+    }
+
+    /// How many there are.
+    pub(crate) fn len(&self) -> u32 {
+        self.count
+    }
+
+    /// One that may give light to a surface at `point` with the unit normal `normal`, picked by a number in 0..1, with
+    /// the probability of that; `None` if none does.
+    #[inline(always)]
+    pub(crate) fn pick(&self, point: Vec3, normal: Vec3, u: f64) -> Option<(LocalLight, f32)> {
+        let (number, probability) = self.tree.pick(point, normal, u)?;
+        let light = match self.points.get(number as usize) {
+            Some(&place) => LocalLight::Point(place),
+            None => LocalLight::Area(number - self.points.len() as u32),
+        };
+        Some((light, probability))
+    }
+
+    /// Probability with which [`LocalLights::pick`] picks an area light.
+    #[inline(always)]
+    pub(crate) fn probability(&self, point: Vec3, normal: Vec3, area_light: u32) -> f32 {
+        self.tree.probability(point, normal, area_light + self.points.len() as u32)
+    }
+}
+
 impl SceneDescription {
     /// Area of a surface, one side, m²; `None` if it has no end, or is a part of a cone.
     pub(crate) fn emitting_area(&self, surface: &Surface) -> Option<f64> {
@@ -63,7 +156,7 @@ impl SceneDescription {
 /// The environment, ready to be sampled where other techniques look for it too.
 pub(super) fn environment(described: &EnvironmentDescription) -> Environment {
     let to_sky = DMat3::from_quat(described.rotation).transpose().as_mat3();
-    Environment::new(described.sky.clone(), described.factor, to_sky, Aim::Compensated)
+    Environment::new(&described.sky, described.factor, to_sky, Aim::Compensated)
 }
 
 impl Scene {

@@ -14,6 +14,7 @@ mod tests;
 
 pub(crate) use filter::{SeenByCamera, StopsLight};
 pub use framing::{bounds, frame};
+pub(crate) use lights::{LocalLight, LocalLights};
 pub use studio::Studio;
 
 use crate::bvh::World;
@@ -38,6 +39,8 @@ pub struct Scene {
     pub(crate) lights: Vec<Light>,
     /// The surfaces that emit.
     pub(crate) area_lights: AreaLights,
+    /// The lights of both kinds that are somewhere.
+    pub(crate) local_lights: LocalLights,
     /// Round lights infinitely far away.
     pub(crate) suns: Vec<Sun>,
     /// Light from directions that hit nothing, and whether the camera sees it.

@@ -3,11 +3,13 @@
 pub(crate) mod area;
 pub(crate) mod environment;
 pub(crate) mod shape;
+pub(crate) mod tree;
 
 use crate::color::Rgb;
-use crate::geometry::Ray;
+use crate::geometry::{Bounds, Ray};
 use crate::scene::description::SpotFalloff;
 use glam::{DVec3, Vec3};
+use tree::{EmissionCone, LightBounds};
 
 /// A light that reaches a point from one direction.
 #[derive(Debug, Clone)]
@@ -43,6 +45,19 @@ pub(crate) struct LightSample {
 }
 
 impl Light {
+    /// Where it is and how much it gives; `None` if it is everywhere alike.
+    pub(crate) fn bounds(&self) -> Option<LightBounds> {
+        let (position, intensity, cone) = match &self.source {
+            Source::Point { position, intensity } => {
+                (position, intensity, EmissionCone::EVERYWHERE)
+            }
+            Source::Spot { position, intensity, cone } => (position, intensity, cone.emission()),
+            Source::Directional { .. } | Source::Headlight { .. } => return None,
+        };
+        let bounds = Bounds::around([position.as_vec3()]);
+        Some(LightBounds { bounds, cone, intensity: intensity.element_sum() / 3.0 })
+    }
+
     /// What reaches `point`; `None` if nothing does. In double precision, since near the rim of a spot a rounding
     /// error of the place would show.
     #[inline(always)]
@@ -104,6 +119,11 @@ impl Cone {
     /// A cone along the unit vector `axis`, with half angles in rad.
     pub(crate) fn new(axis: DVec3, inner: f64, outer: f64, falloff: SpotFalloff) -> Self {
         Self { axis, cos_inner: inner.cos(), cos_outer: outer.cos(), falloff }
+    }
+
+    fn emission(&self) -> EmissionCone {
+        let falloff = self.cos_outer.acos() as f32;
+        EmissionCone { axis: self.axis.as_vec3(), spread: 0.0, falloff, two_sided: false }
     }
 
     /// The fraction of the axis's intensity that goes in `direction`, 0..1.
