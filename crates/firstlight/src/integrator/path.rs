@@ -21,7 +21,7 @@ use glam::{DVec3, Vec2, Vec3};
 use std::f32::consts::PI;
 
 /// Up to so many lights are all asked at the surface that is seen, as in the lecture, and after that.
-const ASKED: [u32; 2] = [32, 4];
+const ASKED: [u32; 2] = [32, 1];
 /// Up to this reflection, paths end only where nothing is left of them.
 const SAFE_BOUNCES: u32 = 4;
 /// From this reflection on, even paths that lose nothing end sometimes, so that light between perfect mirrors does.

@@ -4,6 +4,7 @@ pub(crate) mod area;
 pub(crate) mod environment;
 pub(crate) mod shape;
 pub(crate) mod tree;
+mod web;
 
 use crate::color::Rgb;
 use crate::geometry::{Bounds, Ray};
