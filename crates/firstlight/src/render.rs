@@ -204,7 +204,7 @@ impl Kernel for TilePass<'_> {
         worker.rays.clear();
         worker.points.clear();
         worker.places.clear();
-        for index in 0..tile.pixels.len() {
+        for index in tile.order() {
             let [x, y] = tile.place(index);
             let center = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
             for sample in samples.clone() {

@@ -10,7 +10,9 @@ Usage: cargo xtask COMMAND
   test      formatting, lints, all tests, documentation: what has to pass
   slow      the tests that take minutes
   gallery   renders every scene in scenes/ into docs/images/
-  bench     times tracing on scenes made on the spot";
+  bench     times tracing and building, beside Embree where it is installed; more with --help
+  bench --peers
+            times whole renders beside Mitsuba, Cycles, LuxCore and POV-Ray; more with --help";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -18,7 +20,7 @@ fn main() -> ExitCode {
         Some("test") => test(),
         Some("slow") => cargo(&["test", "--workspace", "--release", "--", "--ignored"]),
         Some("gallery") => gallery::render_all(),
-        Some("bench") => cargo(&["bench", "--package", "firstlight"]),
+        Some("bench") => bench(&arguments[1..]),
         _ => Err(USAGE.into()),
     };
     match done {
@@ -36,6 +38,25 @@ fn test() -> Result<(), String> {
     cargo(&["clippy", "--workspace", "--all-targets", "--", "--deny", "warnings"])?;
     cargo(&["test", "--workspace"])?;
     documentation()
+}
+
+/// Hands over to what measures: `--peers` compares whole renders, anything else is for the crate `firstlight-bench`.
+fn bench(arguments: &[String]) -> Result<(), String> {
+    match arguments.split_first() {
+        Some((first, options)) if first == "--peers" => peers(options),
+        _ => {
+            let program = ["run", "--release", "--quiet", "--package", "firstlight-bench", "--"];
+            let usual = arguments.is_empty().then_some("kernels");
+            run(Command::new("cargo").args(program).args(usual).args(arguments))
+        }
+    }
+}
+
+/// Times whole renders beside other renderers, by scripts, since most of those are Python packages.
+fn peers(options: &[String]) -> Result<(), String> {
+    cargo(&["build", "--release", "--package", "firstlight-cli"])?;
+    let script = ["crates/bench/peers/run.py", "--firstlight", "target/release/firstlight"];
+    run(Command::new("python3").args(script).args(options))
 }
 
 /// Builds the documentation; a broken link is an error.

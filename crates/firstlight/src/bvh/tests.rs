@@ -271,3 +271,18 @@ fn flat_boxes_are_not_missed() {
         .collect();
     assert!(closest(&world, &rays).iter().all(Hit::is_some));
 }
+
+/// Trees that several threads build are those that one builds: nodes that are binned and cut in parallel, too.
+#[test]
+fn trees_do_not_depend_on_the_number_of_threads() {
+    let mesh = Arc::new(bumpy_sphere(160));
+    let built = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| format!("{:?}", world(&mesh, &[DAffine3::IDENTITY], false)))
+    };
+    assert!(mesh.triangles.len() > 40_000, "{} triangles", mesh.triangles.len());
+    let one = built(1);
+    for threads in [2, 5] {
+        assert!(built(threads) == one, "{threads} threads");
+    }
+}

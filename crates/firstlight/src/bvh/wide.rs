@@ -1,70 +1,140 @@
 //! From the binary tree to the eight-wide one that is traversed.
 
-use super::build::{Branch, Content, Item, Reference, Triangles, build};
+use super::build::{BinaryNode, build};
+use super::collapse::{children, is_leaf, plan};
+use super::reference::{Item, Reference, Triangles};
 use crate::geometry::Bounds;
-use crate::kernels::{Child, Node, Tree, TriangleBlock};
-use crate::simd::LANES;
+use crate::kernels::{Child, Node, Tree, TriangleBlock, Word};
+use crate::simd::{LANES, Pages};
+use rayon::prelude::*;
 
 /// Builds the tree over `references`.
-pub(super) fn tree(mut references: Vec<Reference>, triangles: Triangles) -> Tree {
-    let mut tree =
-        Tree { nodes: Vec::new(), blocks: Vec::new(), bounds: Bounds::EMPTY, reach: 0.0 };
+pub(super) fn tree(mut references: Vec<Reference>, triangles: &impl Triangles) -> Tree {
     if references.is_empty() {
-        return tree;
+        let (nodes, blocks, words) = (Pages::new(&[]), Pages::new(&[]), Pages::new(&[]));
+        return Tree { nodes, blocks, words, bounds: Bounds::EMPTY, reach: 0.0 };
     }
-    let root = build(&mut references, triangles);
+    let mut binary = build(&mut references, triangles);
     drop(references);
-    tree.bounds = root.bounds;
-    tree.reach = root.bounds.reach();
-    match root.content {
-        Content::Split(_) => emit_node(&mut tree, widen(root), triangles),
-        Content::Leaf(_) => emit_node(&mut tree, vec![root], triangles),
-    };
-    tree
+    plan(&mut binary, triangles);
+    let bounds = binary[0].bounds;
+    let (wide, leaves) = number(&binary);
+    let nodes: Vec<_> = wide.par_iter().map(|wide| wide.node(&binary)).collect();
+    let blocks: Vec<_> = leaves.par_iter().map(|leaf| leaf.block(&binary, triangles)).collect();
+    let words: Vec<_> =
+        leaves.par_iter().flat_map_iter(|leaf| leaf.words(&binary, triangles)).collect();
+    let (nodes, blocks, words) = (Pages::new(&nodes), Pages::new(&blocks), Pages::new(&words));
+    Tree { nodes, blocks, words, bounds, reach: bounds.reach() }
 }
 
-/// Opens the largest branches until there are eight.
-fn widen(root: Branch) -> Vec<Branch> {
-    let mut children = vec![root];
-    while children.len() < LANES {
-        let can_open = |b: &Branch| matches!(b.content, Content::Split(_));
-        let open = children.iter().enumerate().filter(|(_, b)| can_open(b));
-        let area = |b: &Branch| b.bounds.half_area();
-        let largest = open.max_by(|a, b| area(a.1).total_cmp(&area(b.1))).map(|(i, _)| i);
-        let Some(largest) = largest else { break };
-        if let Content::Split(halves) = children.swap_remove(largest).content {
-            children.extend(*halves);
-        }
+/// A wide node to be: the root of its part of the binary tree, and the numbers of the first node and the first block
+/// among its children, which follow one another.
+#[derive(Clone, Copy)]
+struct Wide {
+    root: u32,
+    first_node: u32,
+    first_block: u32,
+}
+
+/// A leaf to be: the root of its part of the binary tree, and the number of the first of its words.
+#[derive(Clone, Copy)]
+struct Leaf {
+    root: u32,
+    first_word: u32,
+}
+
+/// What a child becomes.
+enum Kind {
+    Node,
+    Block,
+    Other(u32),
+}
+
+fn kind(node: &BinaryNode) -> Kind {
+    if !is_leaf(node) {
+        return Kind::Node;
     }
-    children
-}
-
-/// Appends a node over up to eight branches, and all below it.
-fn emit_node(tree: &mut Tree, children: Vec<Branch>, triangles: Triangles) -> Child {
-    let index = tree.nodes.len();
-    tree.nodes.push(Node::empty());
-    for (slot, branch) in children.into_iter().enumerate() {
-        let bounds = branch.bounds;
-        let child = match branch.content {
-            Content::Leaf(items) => emit_leaf(tree, &items, triangles),
-            Content::Split(_) => emit_node(tree, widen(branch), triangles),
-        };
-        tree.nodes[index].set(slot, bounds, child);
+    match Item::from_bits(node.word) {
+        Item::Other(surface) if node.is_leaf() => Kind::Other(surface),
+        _ => Kind::Block,
     }
-    Child::node(index)
 }
 
-fn emit_leaf(tree: &mut Tree, items: &[Item], triangles: Triangles) -> Child {
-    let mut block = TriangleBlock::empty();
-    for (lane, item) in items.iter().enumerate() {
-        match *item {
-            Item::Other(surface) => return Child::other(surface),
-            Item::Triangle(number) => {
-                let (corners, flags) = triangles(number);
-                block.set(lane, corners, number, flags);
+/// All wide nodes and all leaves, in the order in which they will lie in memory: the children of a node
+/// side by side, depth first.
+fn number(binary: &[BinaryNode]) -> (Vec<Wide>, Vec<Leaf>) {
+    let (mut wide, mut leaves) = (vec![Wide { root: 0, first_node: 0, first_block: 0 }], vec![]);
+    let (mut open, mut first_word) = (vec![0], 0);
+    while let Some(index) = open.pop() {
+        let first = wide.len();
+        wide[index].first_node = first as u32;
+        wide[index].first_block = leaves.len() as u32;
+        for &root in children(binary, wide[index].root).list() {
+            match kind(&binary[root as usize]) {
+                Kind::Node => wide.push(Wide { root, first_node: 0, first_block: 0 }),
+                Kind::Block => {
+                    leaves.push(Leaf { root, first_word });
+                    each_item(binary, root, &mut |_| first_word += 1);
+                }
+                Kind::Other(_) => {}
             }
         }
+        open.extend((first..wide.len()).rev());
     }
-    tree.blocks.push(block);
-    Child::block(tree.blocks.len() - 1)
+    (wide, leaves)
+}
+
+impl Wide {
+    fn node(&self, binary: &[BinaryNode]) -> Node {
+        let mut node = Node::empty();
+        let (mut next_node, mut next_block) = (self.first_node as usize, self.first_block as usize);
+        for (slot, &root) in children(binary, self.root).list().iter().enumerate() {
+            let root = &binary[root as usize];
+            let child = match kind(root) {
+                Kind::Node => {
+                    next_node += 1;
+                    Child::node(next_node - 1)
+                }
+                Kind::Block => {
+                    next_block += 1;
+                    Child::block(next_block - 1)
+                }
+                Kind::Other(surface) => Child::other(surface),
+            };
+            node.set(slot, root.bounds, child);
+        }
+        node
+    }
+}
+
+impl Leaf {
+    fn block(&self, binary: &[BinaryNode], triangles: &impl Triangles) -> TriangleBlock {
+        let mut block = TriangleBlock::starting_at(self.first_word);
+        each_item(binary, self.root, &mut |item| {
+            if let Item::Triangle(number) = item {
+                let fits = block.add(triangles.triangle(number).0);
+                debug_assert!(fits, "leaves are planned so");
+            }
+        });
+        block
+    }
+
+    fn words(&self, binary: &[BinaryNode], triangles: &impl Triangles) -> Vec<Word> {
+        let mut words = Vec::with_capacity(LANES);
+        each_item(binary, self.root, &mut |item| {
+            if let Item::Triangle(number) = item {
+                words.push(Word::new(number, triangles.triangle(number).1));
+            }
+        });
+        words
+    }
+}
+
+fn each_item(binary: &[BinaryNode], root: u32, visit: &mut impl FnMut(Item)) {
+    let node = &binary[root as usize];
+    if node.is_leaf() {
+        return visit(node.item());
+    }
+    each_item(binary, root + 1, visit);
+    each_item(binary, root + node.right, visit);
 }

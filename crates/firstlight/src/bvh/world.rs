@@ -1,6 +1,6 @@
 //! Everything that can be hit: one tree over the world, one per mesh that stands in it more than once.
 
-use super::build::{Item, Reference};
+use super::reference::{Item, Reference, Triangles};
 use super::wide;
 use crate::geometry::{Analytic, Bounds, Hit, Ray};
 use crate::kernels::{FLATTENED, HitFilter, Others, Search, Stack, Tree, search};
@@ -26,12 +26,15 @@ pub(crate) struct MeshPart {
     pub instanced: bool,
     /// Flags of its triangles, see `kernels::layout`.
     pub flags: u32,
+    /// Whether the tree has the positions as they are in the mesh.
+    stays: bool,
     magnitude: f64,
 }
 
 impl MeshPart {
     /// A mesh under `to_world`, with flags of `kernels::layout` on its triangles.
     pub(crate) fn new(mesh: Arc<Mesh>, to_world: DAffine3, instanced: bool, flags: u32) -> Self {
+        let stays = instanced || to_world == DAffine3::IDENTITY;
         let mirrored = !instanced && to_world.matrix3.determinant() < 0.0;
         let reach = Bounds::around(mesh.positions.iter().copied()).reach();
         let m = to_world.matrix3;
@@ -44,6 +47,7 @@ impl MeshPart {
             mirrored,
             instanced,
             flags,
+            stays,
             magnitude,
         }
     }
@@ -56,7 +60,7 @@ impl MeshPart {
     /// A corner as the tree of this part has it: in the mesh's space if instanced, else in the world.
     pub(crate) fn corner(&self, index: u32) -> Vec3 {
         let p = self.mesh.positions[index as usize];
-        if self.instanced { p } else { self.to_world.transform_point3(p.as_dvec3()).as_vec3() }
+        if self.stays { p } else { self.to_world.transform_point3(p.as_dvec3()).as_vec3() }
     }
 
     /// The corners of a triangle, as [`MeshPart::corner`].
@@ -98,15 +102,9 @@ impl World {
         for (surface, part) in parts.iter().enumerate() {
             builder.add(surface as u32, part, tree_of[surface].map(|i: usize| &trees[i]));
         }
+        let triangles = FlattenedTriangles { parts: &parts, flattened: &builder.flattened };
+        let top = wide::tree(builder.references, &triangles);
         let flattened = builder.flattened;
-        let triangle = |number: u32| {
-            let (surface, triangle) = locate(&flattened, number);
-            match &parts[surface as usize] {
-                Part::Mesh(part) => (part.corners(triangle), part.flags),
-                Part::Analytic(..) => unreachable!("only meshes have triangles"),
-            }
-        };
-        let top = wide::tree(builder.references, &triangle);
         Self { parts, top, flattened, trees, tree_of, endless: builder.endless, level }
     }
 
@@ -140,16 +138,16 @@ impl World {
     /// What each ray hits first, in its range.
     pub(crate) fn closest_hits(&self, rays: &[Ray], filter: &dyn HitFilter, hits: &mut Vec<Hit>) {
         hits.clear();
-        hits.resize(rays.len(), Hit::none(0.0));
+        hits.extend(rays.iter().map(|ray| Hit::none(ray.t_max)));
         self.search::<false>(rays, filter, hits);
-        for hit in hits.iter_mut() {
+        for hit in hits.iter_mut().filter(|hit| hit.surface == FLATTENED) {
             *hit = self.located(hit);
         }
     }
 
     /// Whether each ray hits anything in its range.
     pub(crate) fn occluded(&self, rays: &[Ray], filter: &dyn HitFilter, occluded: &mut Vec<bool>) {
-        let mut hits = vec![Hit::none(0.0); rays.len()];
+        let mut hits: Vec<_> = rays.iter().map(|ray| Hit::none(ray.t_max)).collect();
         self.search::<true>(rays, filter, &mut hits);
         occluded.clear();
         occluded.extend(hits.iter().map(Hit::is_some));
@@ -157,13 +155,13 @@ impl World {
 
     fn search<const ANY: bool>(&self, rays: &[Ray], filter: &dyn HitFilter, hits: &mut [Hit]) {
         let filter = Located { world: self, filter };
-        for (ray, hit) in rays.iter().zip(&mut *hits) {
-            *hit = Hit::none(ray.t_max);
-            for &surface in &self.endless {
+        for &surface in &self.endless {
+            for (ray, hit) in rays.iter().zip(&mut *hits) {
                 self.cross(ray, surface, &filter, hit);
             }
         }
-        search::<ANY>(self.level, &self.top, self, &filter, rays, hits);
+        let batch = (rays, hits, !self.endless.is_empty());
+        search::<ANY>(self.level, &self.top, self, &filter, batch);
     }
 
     /// Meets an analytic surface. Returns whether `hit` was replaced.
@@ -280,15 +278,39 @@ fn instanced_trees(parts: &[Part]) -> (Vec<Tree>, Vec<Option<usize>>) {
 }
 
 fn mesh_tree(part: &MeshPart) -> Tree {
-    let references = triangle_references(part, 0);
-    wide::tree(references.collect(), &|number| (part.corners(number), part.flags))
+    wide::tree(triangle_references(part, 0).collect(), part)
 }
 
-fn triangle_references(part: &MeshPart, first: u32) -> impl Iterator<Item = Reference> + '_ {
-    (0..part.mesh.triangles.len() as u32).map(move |triangle| Reference {
-        bounds: Bounds::around(part.corners(triangle)),
-        item: Item::Triangle(first + triangle),
+fn triangle_references(
+    part: &MeshPart,
+    first: u32,
+) -> impl IndexedParallelIterator<Item = Reference> + '_ {
+    (0..part.mesh.triangles.len() as u32).into_par_iter().map(move |triangle| {
+        let bounds = Bounds::around(part.corners(triangle));
+        Reference::new(bounds, Item::Triangle(first + triangle))
     })
+}
+
+impl Triangles for MeshPart {
+    fn triangle(&self, number: u32) -> ([Vec3; 3], u32) {
+        (self.corners(number), self.flags)
+    }
+}
+
+/// The triangles of the world's own tree.
+struct FlattenedTriangles<'a> {
+    parts: &'a [Part],
+    flattened: &'a [(u32, u32)],
+}
+
+impl Triangles for FlattenedTriangles<'_> {
+    fn triangle(&self, number: u32) -> ([Vec3; 3], u32) {
+        let (surface, triangle) = locate(self.flattened, number);
+        match &self.parts[surface as usize] {
+            Part::Mesh(part) => part.triangle(triangle),
+            Part::Analytic(..) => unreachable!("only meshes have triangles"),
+        }
+    }
 }
 
 /// Collects what goes into the world's own tree.
@@ -305,7 +327,7 @@ impl TopBuilder {
         match (part, tree) {
             (Part::Mesh(part), None) => {
                 self.flattened.push((self.triangles, surface));
-                self.references.extend(triangle_references(part, self.triangles));
+                self.references.par_extend(triangle_references(part, self.triangles));
                 self.triangles += part.mesh.triangles.len() as u32;
             }
             (Part::Mesh(part), Some(tree)) if !tree.bounds.is_empty() => {
@@ -321,6 +343,6 @@ impl TopBuilder {
     }
 
     fn other(&mut self, surface: u32, bounds: Bounds) {
-        self.references.push(Reference { bounds, item: Item::Other(surface) });
+        self.references.push(Reference::new(bounds, Item::Other(surface)));
     }
 }

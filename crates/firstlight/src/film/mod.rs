@@ -84,6 +84,17 @@ impl Tile {
             .collect()
     }
 
+    /// The indices of its pixels in the order of Morton's curve, in which neighbours stay together: rays that follow
+    /// one another go nearly the same way.
+    pub(crate) fn order(&self) -> impl Iterator<Item = usize> {
+        let [width, height] = self.size;
+        let even_bits = |code: u32| (0..4).fold(0, |x, bit| x | (code >> (2 * bit) & 1) << bit);
+        (0..Self::SIDE * Self::SIDE).filter_map(move |code| {
+            let (x, y) = (even_bits(code), even_bits(code >> 1));
+            (x < width && y < height).then_some((y * width + x) as usize)
+        })
+    }
+
     /// Column and row in the whole picture of a pixel of the tile.
     #[inline(always)]
     pub(crate) fn place(&self, index: usize) -> [u32; 2] {

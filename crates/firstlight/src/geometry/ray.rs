@@ -4,6 +4,7 @@ use glam::Vec3;
 
 /// A half-line with a range: the points `origin + t · direction`, `t_min < t ≤ t_max`.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
 pub struct Ray {
     /// Where t = 0, m.
     pub origin: Vec3,

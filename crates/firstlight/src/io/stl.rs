@@ -3,12 +3,13 @@
 //! Own code, because stl_io 0.11 names neither line nor byte in its errors.
 
 use super::text::{Line, Lines, Tally, counted, floats, part_of, quoted, without_mark};
-use super::triangles::{Triangulator, add_surface, default_material, not_empty, vertex_number};
+use super::triangles::{
+    Distinct, Triangulator, add_surface, default_material, not_empty, vertex_number,
+};
 use super::{FileAccess, Warnings};
 use crate::diagnostic::{Diagnostic, Place, Result};
 use crate::scene::description::{Mesh, SceneDescription};
 use glam::Vec3;
-use indexmap::IndexSet;
 
 /// Bytes before the facets of a binary file: 80 of free text and their number.
 const HEADER: usize = 84;
@@ -142,7 +143,7 @@ struct Solids<'a> {
 #[derive(Default)]
 struct Solid {
     name: String,
-    corners: IndexSet<[u32; 3]>,
+    corners: Distinct<[u32; 3]>,
     triangles: Vec<[u32; 3]>,
 }
 

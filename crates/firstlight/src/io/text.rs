@@ -72,7 +72,8 @@ impl<'a> Lines<'a> {
     /// Where the line that starts at `from` ends, and where the next one starts.
     fn line_end(&self, from: usize) -> (usize, usize) {
         let tail = self.rest.get(from..).unwrap_or_default();
-        let end = from + tail.iter().take_while(|byte| !matches!(byte, b'\n' | b'\r')).count();
+        let length = tail.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
+        let end = from + length.unwrap_or(tail.len());
         let mark = match self.rest.get(end..) {
             Some([b'\r', b'\n', ..]) => 2,
             Some([_, ..]) => 1,
@@ -111,8 +112,58 @@ pub(super) fn without_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes)
 }
 
+/// A whole number.
+#[inline]
+pub(super) fn whole(word: &[u8]) -> Option<i64> {
+    let (sign, digits) = match word {
+        [b'-', digits @ ..] => (-1, digits),
+        [b'+', digits @ ..] => (1, digits),
+        digits => (1, digits),
+    };
+    let more = |number: i64, digit: &u8| {
+        let digit = digit.is_ascii_digit().then(|| i64::from(digit - b'0'))?;
+        number.checked_mul(10)?.checked_add(sign * digit)
+    };
+    if digits.is_empty() { None } else { digits.iter().try_fold(0, more) }
+}
+
+/// A number with at most 15 digits and no exponent, as nearly all in model files are; `None` if it is another one or
+/// cannot be rounded like this.
+///
+/// Digits and power of ten are exact in double precision, so their quotient is rounded right (Clinger, How to Read
+/// Floating Point Numbers Accurately, 1990). Rounding once more is right too, unless it is a tie.
+#[inline]
+fn short_decimal(word: &[u8]) -> Option<f32> {
+    const MOST_DIGITS: usize = 15;
+    const POWERS: [f64; MOST_DIGITS + 1] =
+        [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15];
+    const TIE: u64 = 1 << (f64::MANTISSA_DIGITS - f32::MANTISSA_DIGITS - 1);
+    let (sign, text) = word.strip_prefix(b"-").map_or((1.0, word), |text| (-1.0, text));
+    if text.len() > MOST_DIGITS + 1 {
+        return None;
+    }
+    let (mut number, mut point) = (0_u64, None);
+    for (place, byte) in text.iter().enumerate() {
+        match byte {
+            b'0'..=b'9' => number = 10 * number + u64::from(byte - b'0'),
+            b'.' if point.is_none() => point = Some(place),
+            _ => return None,
+        }
+    }
+    let digits = text.len() - usize::from(point.is_some());
+    let decimals = point.map_or(0, |place| digits - place);
+    let value = number as f64 / POWERS.get(decimals)?;
+    let sound = (1..=MOST_DIGITS).contains(&digits) && value.to_bits() & (2 * TIE - 1) != TIE;
+    sound.then_some(sign * value as f32)
+}
+
 /// A number; overflow gives infinity, and what C libraries print for "not a number" gives NaN.
+#[inline]
 pub(super) fn float(word: &[u8]) -> Option<f32> {
+    short_decimal(word).or_else(|| any_float(word))
+}
+
+fn any_float(word: &[u8]) -> Option<f32> {
     let text = str::from_utf8(word).ok()?;
     let unsigned = text.trim_start_matches(['+', '-']);
     let not_a_number = unsigned.starts_with("1.#")
@@ -238,6 +289,34 @@ mod tests {
         assert!(float(b"-nan(ind)").is_some_and(f32::is_nan));
         assert!(float(b"1.#QNAN").is_some_and(f32::is_nan));
         assert_eq!([float(b""), float(b"1,5"), float(b"\xff")], [None; 3]);
+    }
+
+    #[test]
+    fn whole_numbers_are_what_the_standard_library_reads() {
+        let words = "0 7 -12 +3 -0 9223372036854775807 -9223372036854775808 9223372036854775808 \
+            -9223372036854775809 99999999999999999999 - + 1.0 1e3 x --1 +-1 /";
+        for word in words.split(' ').chain([""]) {
+            assert_eq!(whole(word.as_bytes()), word.parse().ok(), "{word}");
+        }
+    }
+
+    #[test]
+    fn decimals_are_rounded_as_the_standard_library_does() {
+        let check = |word: &str| {
+            let expected = word.parse::<f32>().ok().map(f32::to_bits);
+            assert_eq!(float(word.as_bytes()).map(f32::to_bits), expected, "{word}");
+        };
+        let words = "0 -0 -0.0 +1 1. .5 -.5 . - + 1..2 1.2.3 1-2 0.1 16777217 16777219 \
+            999999999999999 9999999999999999 0.00000000000001 0.000000000000001 1e5 1e-46 inf";
+        words.split(' ').for_each(check);
+        // Next to the middle between two neighbouring numbers it is easiest to be wrong.
+        for number in 0..50_000_u32 {
+            let below = f64::from(f32::from_bits(1.0_f32.to_bits() + 163 * number));
+            let middle = below + f64::from(f32::EPSILON) / 2.0;
+            check(&format!("{middle:.14}"));
+            check(&format!("-{:.13}", 8.0 * middle));
+            check(&format!("{below:.6}"));
+        }
     }
 
     #[test]

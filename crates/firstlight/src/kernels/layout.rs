@@ -1,22 +1,69 @@
 //! How a tree lies in memory: nodes of eight boxes, leaves of eight triangles.
 
 use crate::geometry::Bounds;
-use crate::simd::LANES;
+use crate::simd::{LANES, Pages, Simd};
 use glam::Vec3;
 
 /// Flag of a triangle that is hidden from camera rays when seen from behind.
 pub(crate) const ONE_SIDED: u32 = 1 << 31;
 /// Flag of a triangle whose material leaves holes.
 pub(crate) const PARTLY_THERE: u32 = 1 << 30;
-/// Word of an unused lane.
-const EMPTY: u32 = u32::MAX;
-/// Rows of a block: three corners of three coordinates.
-pub(super) const ROWS: usize = 9;
 /// The part of a triangle's word that is its number.
 const NUMBER: u32 = PARTLY_THERE - 1;
 
+/// One of the three axes: an index that needs no check.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(usize)]
+pub(super) enum Axis {
+    X,
+    Y,
+    Z,
+}
+
+/// One of the six rows of [`Node::planes`]: an index that needs no check.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(usize)]
+pub(super) enum Plane {
+    LoX,
+    LoY,
+    LoZ,
+    HiX,
+    HiY,
+    HiZ,
+}
+
+/// Which of a node's six planes rays enter and leave through, by axis.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct EntryPlanes {
+    pub near: [Plane; 3],
+    pub far: [Plane; 3],
+}
+
+impl EntryPlanes {
+    /// For directions whose signs are the bits of `octant`.
+    #[inline(always)]
+    pub(super) fn of(octant: u32) -> &'static Self {
+        const OCTANTS: [EntryPlanes; 8] = {
+            let lo = [Plane::LoX, Plane::LoY, Plane::LoZ];
+            let hi = [Plane::HiX, Plane::HiY, Plane::HiZ];
+            let mut octants = [EntryPlanes { near: lo, far: hi }; 8];
+            let mut i = 0;
+            while i < 3 * 8 {
+                let (octant, axis) = (i / 3, i % 3);
+                if octant >> axis & 1 == 1 {
+                    octants[octant].near[axis] = hi[axis];
+                    octants[octant].far[axis] = lo[axis];
+                }
+                i += 1;
+            }
+            octants
+        };
+        &OCTANTS[octant as usize % 8]
+    }
+}
+
 /// Eight boxes, structure of arrays, and what is in them.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy)]
 #[repr(C, align(64))]
 pub(crate) struct Node {
     /// Smallest x, y, z, then largest x, y, z of each child.
@@ -59,6 +106,18 @@ impl Child {
         Self(2 << Self::INDEX_BITS | surface)
     }
 
+    /// As a number.
+    #[inline(always)]
+    pub(super) fn bits(self) -> u32 {
+        self.0
+    }
+
+    /// From [`Child::bits`].
+    #[inline(always)]
+    pub(super) fn from_bits(bits: u32) -> Self {
+        Self(bits)
+    }
+
     #[inline(always)]
     pub(super) fn target(self) -> Target {
         let index = self.0 & ((1 << Self::INDEX_BITS) - 1);
@@ -78,6 +137,12 @@ impl Node {
         Self { planes: [lo, lo, lo, hi, hi, hi], children: [Child::NOTHING; LANES] }
     }
 
+    /// One plane of each child.
+    #[inline(always)]
+    pub(super) fn row(&self, plane: Plane) -> &[f32; LANES] {
+        &self.planes[plane as usize]
+    }
+
     /// Fills box `slot`.
     pub(crate) fn set(&mut self, slot: usize, bounds: Bounds, child: Child) {
         for axis in 0..3 {
@@ -88,66 +153,163 @@ impl Node {
     }
 }
 
-/// Up to eight triangles, structure of arrays. Unused lanes have no area.
-#[derive(Debug, Clone)]
-#[repr(C, align(64))]
-pub(crate) struct TriangleBlock {
-    /// x, y, z of the first corners, then of the second and third.
-    pub corners: [[f32; LANES]; ROWS],
-    /// Number of each triangle in its tree, with flags.
-    words: [u32; LANES],
+/// Up to eight points, told apart by their bits, so that triangles of different faces, meshes and files share them.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Vertices {
+    rows: [[f32; LANES]; 3],
+    len: u8,
 }
 
-impl TriangleBlock {
-    /// No triangles.
-    pub(crate) fn empty() -> Self {
-        Self { corners: [[0.0; LANES]; ROWS], words: [EMPTY; LANES] }
+impl Vertices {
+    const NONE: Self = Self { rows: [[0.0; LANES]; 3], len: 0 };
+
+    /// The corners of one triangle.
+    pub(crate) fn of(corners: [Vec3; 3]) -> Option<Self> {
+        let mut vertices = Self::NONE;
+        for corner in corners {
+            vertices.find_or_add(corner)?;
+        }
+        Some(vertices)
     }
 
-    /// Fills lane `lane` with triangle `number`.
-    pub(crate) fn set(&mut self, lane: usize, corners: [Vec3; 3], number: u32, flags: u32) {
-        for (corner, p) in corners.into_iter().enumerate() {
-            for axis in 0..3 {
-                self.corners[3 * corner + axis][lane] = p[axis];
-            }
+    /// Those of both, if they are at most eight.
+    pub(crate) fn union(&self, other: &Self) -> Option<Self> {
+        let mut both = *self;
+        for vertex in 0..usize::from(other.len) {
+            both.find_or_add(other.get(vertex))?;
         }
-        self.words[lane] = number | flags;
+        Some(both)
+    }
+
+    #[inline(always)]
+    fn get(&self, vertex: usize) -> Vec3 {
+        Vec3::new(self.rows[0][vertex], self.rows[1][vertex], self.rows[2][vertex])
+    }
+
+    /// The number of a point; it is added if it is new and there is room.
+    fn find_or_add(&mut self, p: Vec3) -> Option<u8> {
+        let bits = |p: Vec3| p.to_array().map(f32::to_bits);
+        let known = (0..self.len).find(|&v| bits(self.get(usize::from(v))) == bits(p));
+        if known.is_some() {
+            return known;
+        }
+        let vertex = self.len;
+        for (row, x) in self.rows.iter_mut().zip(p.to_array()) {
+            *row.get_mut(usize::from(vertex))? = x;
+        }
+        self.len += 1;
+        Some(vertex)
+    }
+}
+
+/// Up to eight triangles that share up to eight vertices: two cache lines. Unused lanes have no area.
+#[derive(Debug, Clone, Copy)]
+#[repr(C, align(64))]
+pub(crate) struct TriangleBlock {
+    /// x, y, z of the vertices.
+    rows: [[f32; LANES]; 3],
+    /// Which vertices are the first, second and third corner of each triangle.
+    pub(super) corners: [[u8; LANES]; 3],
+    /// Index of the first triangle's word in [`Tree::words`].
+    first_word: u32,
+    triangles: u8,
+    vertices: u8,
+}
+
+const _: () = assert!(size_of::<Node>() == 256 && size_of::<TriangleBlock>() == 128);
+
+impl TriangleBlock {
+    /// No triangles; the words of those to come start at `first_word`.
+    pub(crate) fn starting_at(first_word: u32) -> Self {
+        let (rows, corners) = ([[0.0; LANES]; 3], [[0; LANES]; 3]);
+        Self { rows, corners, first_word, triangles: 0, vertices: 0 }
+    }
+
+    /// Adds a triangle, if there is room for it and those of its corners that are not here yet.
+    pub(crate) fn add(&mut self, corners: [Vec3; 3]) -> bool {
+        let lane = self.len();
+        let mut vertices = Vertices { rows: self.rows, len: self.vertices };
+        for (row, corner) in self.corners.iter_mut().zip(corners) {
+            let (Some(slot), Some(vertex)) = (row.get_mut(lane), vertices.find_or_add(corner))
+            else {
+                return false;
+            };
+            *slot = vertex;
+        }
+        (self.rows, self.vertices) = (vertices.rows, vertices.len);
+        self.triangles += 1;
+        true
+    }
+
+    /// One coordinate of each vertex.
+    #[inline(always)]
+    pub(super) fn row(&self, axis: Axis) -> &[f32; LANES] {
+        &self.rows[axis as usize]
+    }
+
+    /// Number of vertices.
+    #[inline(always)]
+    pub(super) fn vertex_count(&self) -> usize {
+        usize::from(self.vertices)
+    }
+
+    /// Number of triangles.
+    #[inline(always)]
+    pub(crate) fn len(&self) -> usize {
+        usize::from(self.triangles)
     }
 
     /// The corners of one triangle.
     #[inline(always)]
     pub(crate) fn triangle(&self, lane: usize) -> [Vec3; 3] {
-        let corner =
-            |c: usize| Vec3::from_array([0, 1, 2].map(|axis| self.corners[3 * c + axis][lane]));
-        [corner(0), corner(1), corner(2)]
+        [self.corner(0, lane), self.corner(1, lane), self.corner(2, lane)]
     }
 
-    /// Whether a lane and all after it are unused.
     #[inline(always)]
-    pub(super) fn is_empty(&self, lane: usize) -> bool {
-        self.words[lane] == EMPTY
+    fn corner(&self, corner: usize, lane: usize) -> Vec3 {
+        let vertex = self.corner_vertex(corner, lane);
+        Vec3::new(self.rows[0][vertex], self.rows[1][vertex], self.rows[2][vertex])
+    }
+
+    /// Which vertex a corner of a triangle is.
+    #[inline(always)]
+    pub(super) fn corner_vertex(&self, corner: usize, lane: usize) -> usize {
+        usize::from(self.corners[corner][lane]) % LANES
+    }
+}
+
+/// A triangle's number in its tree, with flags.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Word(u32);
+
+impl Word {
+    /// Triangle `number` with `flags`.
+    pub(crate) fn new(number: u32, flags: u32) -> Self {
+        Self(number | flags)
     }
 
     /// Its number in the tree.
     #[inline(always)]
-    pub(crate) fn number(&self, lane: usize) -> u32 {
-        self.words[lane] & NUMBER
+    pub(super) fn number(self) -> u32 {
+        self.0 & NUMBER
     }
 
     /// Its flags, [`ONE_SIDED`] and [`PARTLY_THERE`].
     #[inline(always)]
-    pub(crate) fn flags(&self, lane: usize) -> u32 {
-        self.words[lane] & !NUMBER
+    pub(super) fn flags(self) -> u32 {
+        self.0 & !NUMBER
     }
 }
 
 /// A bounding volume hierarchy.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(crate) struct Tree {
     /// All nodes; the root first. Empty: nothing to hit.
-    pub nodes: Vec<Node>,
+    pub nodes: Pages<Node>,
     /// All triangles.
-    pub blocks: Vec<TriangleBlock>,
+    pub blocks: Pages<TriangleBlock>,
+    /// What the triangles are, block by block.
+    pub words: Pages<Word>,
     /// The box around everything.
     pub bounds: Bounds,
     /// The largest absolute coordinate of that box.
@@ -155,8 +317,24 @@ pub(crate) struct Tree {
 }
 
 impl Tree {
+    /// Asks for what `child` refers to, which is needed soon.
+    #[inline(always)]
+    pub(super) fn prefetch<S: Simd>(&self, simd: S, child: Child) {
+        match child.target() {
+            Target::Node(index) => simd.prefetch(&self.nodes[index]),
+            Target::Block(index) => simd.prefetch(&self.blocks[index]),
+            Target::Other(_) | Target::Nothing => {}
+        }
+    }
+
+    /// What the triangle in `lane` of a block is.
+    #[inline(always)]
+    pub(super) fn word(&self, block: &TriangleBlock, lane: usize) -> Word {
+        self.words[block.first_word as usize + lane]
+    }
+
     /// Bytes it takes.
     pub(crate) fn memory(&self) -> usize {
-        size_of_val(self.nodes.as_slice()) + size_of_val(self.blocks.as_slice())
+        size_of_val(&*self.nodes) + size_of_val(&*self.blocks) + size_of_val(&*self.words)
     }
 }

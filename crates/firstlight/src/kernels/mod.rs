@@ -1,8 +1,16 @@
 //! Every loop that is compiled once per SIMD level.
 
+mod alone;
+mod batch;
+mod beams;
+mod group;
 mod layout;
-mod packet;
+mod tile;
 mod traverse;
+mod triangles;
 
-pub(crate) use layout::{Child, Node, ONE_SIDED, PARTLY_THERE, Tree, TriangleBlock};
-pub(crate) use traverse::{FLATTENED, HitFilter, Others, Search, Stack, search};
+pub(crate) use batch::search;
+pub(crate) use layout::{
+    Child, Node, ONE_SIDED, PARTLY_THERE, Tree, TriangleBlock, Vertices, Word,
+};
+pub(crate) use traverse::{FLATTENED, HitFilter, Others, Search, Stack};

@@ -2,9 +2,9 @@
 
 #![allow(unsafe_code)]
 
-use super::{LANES, Lanes, Mask, Simd};
+use super::{Doubles, LANES, Lanes, Mask, Simd};
 use std::arch::x86_64::*;
-use std::ops::{Add, BitAnd, BitOr, Mul, Sub};
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
 /// Proof that the processor has AVX2 and FMA.
 #[derive(Clone, Copy)]
@@ -13,6 +13,10 @@ pub(crate) struct Avx2(());
 /// Eight floats in a register; exists only where an [`Avx2`] does.
 #[derive(Clone, Copy)]
 pub(crate) struct F32x8(__m256);
+
+/// Four doubles in a register; exists only where an [`Avx2`] does.
+#[derive(Clone, Copy)]
+pub(crate) struct F64x4(__m256d);
 
 /// Eight truth values, each a lane of ones or zeros.
 #[derive(Clone, Copy)]
@@ -28,6 +32,8 @@ impl Avx2 {
 
 impl Simd for Avx2 {
     type F = F32x8;
+    type M = Mask8;
+    type D = F64x4;
 
     #[inline(always)]
     fn splat(self, x: f32) -> F32x8 {
@@ -36,9 +42,64 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
+    fn splat_f64(self, x: f64) -> F64x4 {
+        // SAFETY: `self` proves AVX2.
+        F64x4(unsafe { _mm256_set1_pd(x) })
+    }
+
+    #[inline(always)]
     fn load(self, x: &[f32; LANES]) -> F32x8 {
         // SAFETY: `self` proves AVX2; the reference covers the 32 bytes that are read, unaligned.
         F32x8(unsafe { _mm256_loadu_ps(x.as_ptr()) })
+    }
+
+    #[inline(always)]
+    fn mask(self, bits: u32) -> Mask8 {
+        // SAFETY: `self` proves AVX2.
+        Mask8(unsafe {
+            let bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+            let set = _mm256_and_si256(_mm256_set1_epi32(bits as i32), bit);
+            _mm256_castsi256_ps(_mm256_cmpeq_epi32(set, bit))
+        })
+    }
+
+    #[inline(always)]
+    fn prefetch<T>(self, x: &T) {
+        const LINE: usize = 64;
+        let start = std::ptr::from_ref(x).cast::<i8>();
+        for line in 0..size_of::<T>().div_ceil(LINE) {
+            // SAFETY: a prefetch reads nothing that the program sees, and the address stays inside `x`.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(start.add(LINE * line)) };
+        }
+    }
+
+    #[inline(always)]
+    fn transpose(self, rows: [F32x8; LANES]) -> [F32x8; LANES] {
+        let [a, b, c, d, e, f, g, h] = rows;
+        // SAFETY: `self` proves AVX2.
+        unsafe {
+            let [ab, cd] = [_mm256_unpacklo_ps(a.0, b.0), _mm256_unpacklo_ps(c.0, d.0)];
+            let [ef, gh] = [_mm256_unpacklo_ps(e.0, f.0), _mm256_unpacklo_ps(g.0, h.0)];
+            let [ab2, cd2] = [_mm256_unpackhi_ps(a.0, b.0), _mm256_unpackhi_ps(c.0, d.0)];
+            let [ef2, gh2] = [_mm256_unpackhi_ps(e.0, f.0), _mm256_unpackhi_ps(g.0, h.0)];
+            let quarters = [
+                (_mm256_shuffle_ps::<0x44>(ab, cd), _mm256_shuffle_ps::<0x44>(ef, gh)),
+                (_mm256_shuffle_ps::<0xee>(ab, cd), _mm256_shuffle_ps::<0xee>(ef, gh)),
+                (_mm256_shuffle_ps::<0x44>(ab2, cd2), _mm256_shuffle_ps::<0x44>(ef2, gh2)),
+                (_mm256_shuffle_ps::<0xee>(ab2, cd2), _mm256_shuffle_ps::<0xee>(ef2, gh2)),
+            ];
+            let [p, q, r, s] = quarters;
+            [
+                F32x8(_mm256_permute2f128_ps::<0x20>(p.0, p.1)),
+                F32x8(_mm256_permute2f128_ps::<0x20>(q.0, q.1)),
+                F32x8(_mm256_permute2f128_ps::<0x20>(r.0, r.1)),
+                F32x8(_mm256_permute2f128_ps::<0x20>(s.0, s.1)),
+                F32x8(_mm256_permute2f128_ps::<0x31>(p.0, p.1)),
+                F32x8(_mm256_permute2f128_ps::<0x31>(q.0, q.1)),
+                F32x8(_mm256_permute2f128_ps::<0x31>(r.0, r.1)),
+                F32x8(_mm256_permute2f128_ps::<0x31>(s.0, s.1)),
+            ]
+        }
     }
 }
 
@@ -59,11 +120,19 @@ macro_rules! operator {
 operator!(F32x8, Add, add, _mm256_add_ps);
 operator!(F32x8, Sub, sub, _mm256_sub_ps);
 operator!(F32x8, Mul, mul, _mm256_mul_ps);
+operator!(F32x8, Div, div, _mm256_div_ps);
+operator!(F64x4, Add, add, _mm256_add_pd);
+operator!(F64x4, Sub, sub, _mm256_sub_pd);
+operator!(F64x4, Mul, mul, _mm256_mul_pd);
+operator!(F64x4, Div, div, _mm256_div_pd);
 operator!(Mask8, BitAnd, bitand, _mm256_and_ps);
 operator!(Mask8, BitOr, bitor, _mm256_or_ps);
 
+impl Doubles for F64x4 {}
+
 impl Lanes for F32x8 {
     type Mask = Mask8;
+    type D = F64x4;
 
     #[inline(always)]
     fn mul_add(self, a: Self, b: Self) -> Self {
@@ -84,15 +153,92 @@ impl Lanes for F32x8 {
     }
 
     #[inline(always)]
+    fn abs(self) -> Self {
+        // SAFETY: values of this type exist only where AVX2 does.
+        Self(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
+    }
+
+    #[inline(always)]
+    fn copysign(self, sign: Self) -> Self {
+        // SAFETY: values of this type exist only where AVX2 does.
+        Self(unsafe { _mm256_or_ps(self.abs().0, _mm256_and_ps(_mm256_set1_ps(-0.0), sign.0)) })
+    }
+
+    #[inline(always)]
+    fn select(self, mask: Mask8, other: Self) -> Self {
+        // SAFETY: values of this type exist only where AVX2 does.
+        Self(unsafe { _mm256_blendv_ps(other.0, self.0, mask.0) })
+    }
+
+    #[inline(always)]
     fn le(self, other: Self) -> Mask8 {
         // SAFETY: values of this type exist only where AVX2 does.
         Mask8(unsafe { _mm256_cmp_ps::<_CMP_LE_OQ>(self.0, other.0) })
     }
 
     #[inline(always)]
+    fn lt(self, other: Self) -> Mask8 {
+        // SAFETY: values of this type exist only where AVX2 does.
+        Mask8(unsafe { _mm256_cmp_ps::<_CMP_LT_OQ>(self.0, other.0) })
+    }
+
+    #[inline(always)]
     fn ne(self, other: Self) -> Mask8 {
         // SAFETY: values of this type exist only where AVX2 does.
         Mask8(unsafe { _mm256_cmp_ps::<_CMP_NEQ_UQ>(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn signs(self) -> u32 {
+        Mask8(self.0).bits()
+    }
+
+    #[inline(always)]
+    fn permute(self, indices: &[u8; LANES]) -> Self {
+        // SAFETY: values of this type exist only where AVX2 does; the array has the eight bytes that are read.
+        Self(unsafe {
+            let indices = _mm256_cvtepu8_epi32(_mm_loadl_epi64(indices.as_ptr().cast()));
+            _mm256_permutevar8x32_ps(self.0, indices)
+        })
+    }
+
+    #[inline(always)]
+    fn smallest(self) -> f32 {
+        // SAFETY: values of this type exist only where AVX2 does.
+        unsafe {
+            let four =
+                _mm_min_ps(_mm256_castps256_ps128(self.0), _mm256_extractf128_ps::<1>(self.0));
+            let two = _mm_min_ps(four, _mm_movehl_ps(four, four));
+            _mm_cvtss_f32(_mm_min_ss(two, _mm_movehdup_ps(two)))
+        }
+    }
+
+    #[inline(always)]
+    fn largest(self) -> f32 {
+        // SAFETY: values of this type exist only where AVX2 does.
+        unsafe {
+            let four =
+                _mm_max_ps(_mm256_castps256_ps128(self.0), _mm256_extractf128_ps::<1>(self.0));
+            let two = _mm_max_ps(four, _mm_movehl_ps(four, four));
+            _mm_cvtss_f32(_mm_max_ss(two, _mm_movehdup_ps(two)))
+        }
+    }
+
+    #[inline(always)]
+    fn to_doubles(self) -> [F64x4; 2] {
+        // SAFETY: values of this type exist only where AVX2 does.
+        unsafe {
+            [
+                F64x4(_mm256_cvtps_pd(_mm256_castps256_ps128(self.0))),
+                F64x4(_mm256_cvtps_pd(_mm256_extractf128_ps::<1>(self.0))),
+            ]
+        }
+    }
+
+    #[inline(always)]
+    fn from_doubles([lo, hi]: [F64x4; 2]) -> Self {
+        // SAFETY: values of this type exist only where AVX2 does.
+        Self(unsafe { _mm256_set_m128(_mm256_cvtpd_ps(hi.0), _mm256_cvtpd_ps(lo.0)) })
     }
 
     #[inline(always)]

@@ -3,13 +3,13 @@
 use super::vertices::{Vertices, complaint};
 use crate::diagnostic::{Place, Result};
 use crate::io::Warnings;
-use crate::io::text::{Line, Lines, Parsed, Tally, counted, quoted};
+use crate::io::text::{Line, Lines, Parsed, Tally, counted, quoted, whole};
 use crate::io::triangles::{
-    Triangulator, add_surface, check_corners, unit_normal, weighted_normals,
+    Distinct, Triangulator, add_surface, check_corners, unit_normal, weighted_normals,
 };
 use crate::scene::description::{Mesh, SceneDescription};
 use glam::Vec3;
-use indexmap::{IndexMap, IndexSet};
+use indexmap::IndexMap;
 use std::collections::HashMap;
 
 /// More materials than this in one file are refused.
@@ -56,7 +56,7 @@ struct Tallies {
 /// Normals for the positions in smoothing groups, as sums over the faces around them.
 #[derive(Default)]
 struct MadeNormals {
-    numbers: HashMap<(u32, u32), u32>,
+    numbers: HashMap<(u32, u32), u32, foldhash::fast::RandomState>,
     sums: Vec<Vec3>,
     /// The number of the first: the file's own normals come before.
     first: usize,
@@ -65,7 +65,7 @@ struct MadeNormals {
 /// The triangles of one mesh and the different corners they have.
 #[derive(Debug, Default)]
 struct Part {
-    corners: IndexSet<Corner>,
+    corners: Distinct<Corner>,
     triangles: Vec<[u32; 3]>,
 }
 
@@ -285,8 +285,7 @@ fn smoothing_group(word: Option<&[u8]>) -> u32 {
 /// The number from 0 that `text` stands for: from 1 up, or from -1 back through the `so_far` lines before.
 fn index(text: &[u8], kind: usize, total: usize, so_far: usize) -> Parsed<u32> {
     let what = ["vertex", "texture coordinate", "normal"].get(kind).unwrap_or(&"vertex");
-    let number = str::from_utf8(text).ok().and_then(|text| text.parse::<i64>().ok());
-    let number = number.ok_or_else(|| format!("cannot read {} as a {what}", quoted(text)))?;
+    let number = whole(text).ok_or_else(|| format!("cannot read {} as a {what}", quoted(text)))?;
     let base = if number < 0 { i64::try_from(so_far).unwrap_or(i64::MAX) } else { -1 };
     let found = number.checked_add(base).and_then(|index| usize::try_from(index).ok());
     match found.filter(|&index| index < total) {

@@ -4,10 +4,11 @@ use super::header::{Element, Property};
 use super::values::Values;
 use crate::diagnostic::{Diagnostic, Result};
 use crate::io::text::{Parsed, part_of};
-use crate::io::triangles::{Triangulator, check_corners, has_area, pick_vertices, vertex_number};
+use crate::io::triangles::{
+    Distinct, Triangulator, check_corners, has_area, pick_vertices, vertex_number,
+};
 use crate::scene::description::Mesh;
 use glam::Vec2;
-use indexmap::IndexSet;
 
 /// Adds triangles to a mesh that has its vertices.
 pub(super) struct Faces<'a> {
@@ -16,6 +17,23 @@ pub(super) struct Faces<'a> {
     /// Texture coordinates of each triangle's corners, if the faces have their own.
     corner_uvs: Vec<[Vec2; 3]>,
     pub(super) triangulator: Triangulator,
+}
+
+/// What a property of a row is for.
+enum Column<'a> {
+    Indices(&'a Property),
+    Uvs(&'a Property),
+    Other(&'a Property),
+}
+
+impl<'a> Column<'a> {
+    fn of(property: &'a Property) -> Self {
+        match property {
+            property if is_indices(property) => Self::Indices(property),
+            property if is_uvs(property) => Self::Uvs(property),
+            property => Self::Other(property),
+        }
+    }
 }
 
 /// One row: the corners of a face and their texture coordinates, one number after the other.
@@ -39,9 +57,10 @@ impl<'a> Faces<'a> {
     ) -> Result<()> {
         self.check_indices(element)?;
         let with_uvs = self.mesh.uvs.is_empty() && element.properties.iter().any(is_uvs);
+        let columns: Vec<Column> = element.properties.iter().map(Column::of).collect();
         let (mut face, mut points) = (Face::default(), Vec::new());
         for number in 0..element.count {
-            self.read_row(values, element, &mut face).map_err(|cause| {
+            self.read_row(values, &columns, &mut face).map_err(|cause| {
                 values.complain(self.name, format!("face {number} of {}: {cause}", element.count))
             })?;
             values.end_row(self.name);
@@ -70,30 +89,33 @@ impl<'a> Faces<'a> {
     fn read_row<V: Values>(
         &self,
         values: &mut V,
-        element: &Element,
+        columns: &[Column<'_>],
         face: &mut Face,
     ) -> Parsed<()> {
         face.corners.clear();
         face.uvs.clear();
-        for property in &element.properties {
-            if is_indices(property) {
-                for _ in 0..values.length(property)? {
-                    let index = values.next(property.value)?;
-                    face.corners.push(self.vertex(index)?);
-                    check_corners(face.corners.len())?;
+        for column in columns {
+            match column {
+                Column::Indices(property) => {
+                    for _ in 0..values.length(property)? {
+                        let index = values.next(property.value)?;
+                        face.corners.push(self.vertex(index)?);
+                        check_corners(face.corners.len())?;
+                    }
                 }
-            } else if is_uvs(property) {
-                for _ in 0..values.length(property)? {
-                    face.uvs.push(values.next(property.value)? as f32);
+                Column::Uvs(property) => {
+                    for _ in 0..values.length(property)? {
+                        face.uvs.push(values.next(property.value)? as f32);
+                    }
                 }
-            } else {
-                values.skip(property)?;
+                Column::Other(property) => values.skip(property)?,
             }
         }
         Ok(())
     }
 
     /// The number of a vertex, checked.
+    #[inline]
     fn vertex(&self, index: f64) -> Parsed<u32> {
         let (count, number) = (self.mesh.positions.len(), index as u32);
         if f64::from(number) == index && (number as usize) < count {
@@ -164,7 +186,7 @@ impl<'a> Faces<'a> {
             return Ok(mesh);
         }
         self.corner_uvs.resize(mesh.triangles.len(), [Vec2::ZERO; 3]);
-        let mut used = IndexSet::new();
+        let mut used = Distinct::default();
         let mut triangles = Vec::with_capacity(mesh.triangles.len());
         for (triangle, uvs) in mesh.triangles.iter().zip(&self.corner_uvs) {
             let mut corners = [0; 3];

@@ -3,7 +3,7 @@
 use super::header::{Header, Property, Scalar};
 use crate::diagnostic::{Diagnostic, Place};
 use crate::io::Warnings;
-use crate::io::text::{Parsed, Tally, counted, float, part_of, quoted};
+use crate::io::text::{Parsed, Tally, counted, float, part_of, quoted, whole};
 
 /// Reads one value after the other; every type fits an `f64` without loss.
 pub(super) trait Values {
@@ -25,11 +25,12 @@ pub(super) trait Values {
     }
 
     /// The number of values that follow for `property`, checked against the bytes that are there.
+    #[inline]
     fn length(&mut self, property: &Property) -> Parsed<usize> {
         let Some(kind) = property.length else { return Ok(1) };
         let length = self.next(kind)?;
-        let most = self.left() / Self::least_size(property.value).max(1);
-        if length as u64 as f64 != length || length as u64 > most {
+        let bytes = (length as u64).saturating_mul(Self::least_size(property.value));
+        if length as u64 as f64 != length || bytes > self.left() {
             let (name, left) = (quoted(property.name.as_bytes()), self.left());
             return Err(format!("list {name} of length {length}, but {left} bytes follow"));
         }
@@ -74,11 +75,14 @@ impl<'a> Words<'a> {
 
 impl Values for Words<'_> {
     fn next(&mut self, kind: Scalar) -> Parsed<f64> {
-        let blank = self.rest.iter().take_while(|byte| byte.is_ascii_whitespace());
-        let start = blank.inspect(|&&byte| self.line += usize::from(byte == b'\n')).count();
-        let rest = self.rest.get(start..).unwrap_or_default();
-        let length = rest.iter().take_while(|byte| !byte.is_ascii_whitespace()).count();
-        let (word, rest) = rest.split_at_checked(length).unwrap_or_default();
+        while let Some((byte, rest)) =
+            self.rest.split_first().filter(|(b, _)| b.is_ascii_whitespace())
+        {
+            self.line += usize::from(*byte == b'\n');
+            self.rest = rest;
+        }
+        let length = self.rest.iter().position(u8::is_ascii_whitespace);
+        let (word, rest) = self.rest.split_at(length.unwrap_or(self.rest.len()));
         self.rest = rest;
         if word.is_empty() {
             return Err(END.into());
@@ -101,8 +105,8 @@ impl Values for Words<'_> {
 
     /// Some programs write more values in a line than their header announces.
     fn end_row(&mut self, name: &str) {
-        let length = self.rest.iter().take_while(|byte| !matches!(byte, b'\n' | b'\r')).count();
-        let (surplus, rest) = self.rest.split_at_checked(length).unwrap_or_default();
+        let length = self.rest.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
+        let (surplus, rest) = self.rest.split_at(length.unwrap_or(self.rest.len()));
         if !surplus.trim_ascii().is_empty() {
             let place = self.place(name);
             self.surplus.add(|| place);
@@ -121,13 +125,11 @@ impl Values for Words<'_> {
 }
 
 fn number(word: &[u8], kind: Scalar) -> Option<f64> {
-    let text = str::from_utf8(word).ok()?;
-    let whole = || text.parse::<i64>().ok().map(|value| value as f64);
-    let exact = || text.parse::<f64>().ok();
+    let exact = || str::from_utf8(word).ok()?.parse::<f64>().ok();
     match kind {
         Scalar::F32 => float(word).map(f64::from),
         Scalar::F64 => exact().or_else(|| float(word).map(f64::from)),
-        _ => whole().or_else(exact),
+        _ => whole(word).map(|value| value as f64).or_else(exact),
     }
 }
 
@@ -145,6 +147,7 @@ impl<'a, const BIG: bool> Binary<'a, BIG> {
     }
 
     /// The next `N` bytes, the least significant one first.
+    #[inline]
     fn take<const N: usize>(&mut self) -> Parsed<[u8; N]> {
         let (bytes, rest) = self.rest.split_first_chunk().ok_or(END)?;
         self.rest = rest;
@@ -157,6 +160,7 @@ impl<'a, const BIG: bool> Binary<'a, BIG> {
 }
 
 impl<const BIG: bool> Values for Binary<'_, BIG> {
+    #[inline]
     fn next(&mut self, kind: Scalar) -> Parsed<f64> {
         Ok(match kind {
             Scalar::I8 => i8::from_le_bytes(self.take()?).into(),

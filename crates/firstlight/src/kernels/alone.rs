@@ -1,0 +1,71 @@
+//! Closest hit and any hit of rays that have nothing in common but the tree: one after the other.
+
+use super::group::Group;
+use super::layout::{Child, Tree};
+use super::traverse::{FLATTENED, HitFilter, Others, Search, Stack};
+use crate::geometry::{Hit, Ray};
+use crate::simd::{LANES, Simd};
+
+/// What is walked through, and what for.
+pub(super) struct Walk<'a, O> {
+    pub tree: &'a Tree,
+    pub others: &'a O,
+    pub filter: &'a dyn HitFilter,
+    /// The flags that the filter wants to be asked about.
+    pub flags: u32,
+    pub rays: &'a [Ray],
+    pub hits: &'a mut [Hit],
+}
+
+impl<O: Others> Walk<'_, O> {
+    /// Brings rays of group `g` to what is below `start`. Returns which hits were replaced.
+    #[inline(always)]
+    pub(super) fn alone<S: Simd, const ANY: bool>(
+        &mut self,
+        simd: S,
+        (g, group): (usize, &mut Group),
+        mut lanes: u32,
+        start: Child,
+        stack: &mut Stack,
+    ) -> u32 {
+        let mut changed = 0;
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize % LANES;
+            lanes &= lanes - 1;
+            let (ray, hit) = (&self.rays[LANES * g + lane], &mut self.hits[LANES * g + lane]);
+            let search = Search { simd, ray, filter: self.filter, flags: self.flags };
+            let prepared = (group.slabs_of(simd, lane), group.shear_of(simd, lane));
+            let start = (self.tree, start);
+            if search.walk_from::<O, ANY>(start, ray, prepared, FLATTENED, self.others, hit, stack)
+            {
+                group.t.0[lane] = if ANY { f32::NEG_INFINITY } else { hit.t };
+                changed |= 1 << lane;
+            }
+        }
+        changed
+    }
+
+    /// Brings rays of group `g` to a surface that is not triangles. Returns whether a hit was replaced.
+    #[inline(always)]
+    pub(super) fn visit<S: Simd, const ANY: bool>(
+        &mut self,
+        simd: S,
+        (g, group): (usize, &mut Group),
+        mut lanes: u32,
+        surface: u32,
+        stack: &mut Stack,
+    ) -> bool {
+        let mut changed = false;
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize % LANES;
+            lanes &= lanes - 1;
+            let (ray, hit) = (&self.rays[LANES * g + lane], &mut self.hits[LANES * g + lane]);
+            let search = Search { simd, ray, filter: self.filter, flags: self.flags };
+            if self.others.visit::<S, ANY>(&search, surface, hit, stack) {
+                group.t.0[lane] = if ANY { f32::NEG_INFINITY } else { hit.t };
+                changed = true;
+            }
+        }
+        changed
+    }
+}
