@@ -28,9 +28,9 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Read<PhotometricWeb> {
     if rows.saturating_mul(planes) > MOST_DIRECTIONS {
         return Err(values.fail(format!("has more than {MOST_DIRECTIONS} directions")));
     }
-    let angles = symmetry.measured(angles).ok_or_else(|| {
-        values.fail(format!("{planes} C planes do not fit its symmetry"))
-    })?;
+    let angles = symmetry
+        .measured(angles)
+        .ok_or_else(|| values.fail(format!("{planes} C planes do not fit its symmetry")))?;
     let mut all = Vec::new();
     for _ in 0..angles.len() {
         let plane = (0..rows).map(|_| values.number("an intensity"));
@@ -86,7 +86,10 @@ impl Symmetry {
     fn of(number: f64) -> Option<Self> {
         const ALL: [Symmetry; 5] =
             [Symmetry::None, Symmetry::Axis, Symmetry::C0, Symmetry::C90, Symmetry::Both];
-        ALL.into_iter().zip(0..).find(|(_, n)| f64::from(*n) == number).map(|(symmetry, _)| symmetry)
+        ALL.into_iter()
+            .zip(0..)
+            .find(|(_, n)| f64::from(*n) == number)
+            .map(|(symmetry, _)| symmetry)
     }
 
     /// Those of the angles that have intensities, or whose mirror images have; `None` if they are not where they have to
@@ -99,7 +102,8 @@ impl Symmetry {
             Self::C90 => [90.0, 270.0],
             Self::Both => [0.0, 90.0],
         };
-        let inside: Vec<_> = angles.into_iter().filter(|angle| (from..=to).contains(angle)).collect();
+        let inside: Vec<_> =
+            angles.into_iter().filter(|angle| (from..=to).contains(angle)).collect();
         let fits = inside.first() == Some(&from) && inside.last() == Some(&to);
         fits.then_some(inside)
     }
@@ -137,7 +141,11 @@ impl Values<'_> {
     fn count(&mut self, what: &str) -> Read<usize> {
         let number = self.number(what)?;
         let whole = number.fract() == 0.0 && (1.0..=721.0).contains(&number);
-        if whole { Ok(number as usize) } else { Err(self.fail(format!("needs {what} from 1 to 721"))) }
+        if whole {
+            Ok(number as usize)
+        } else {
+            Err(self.fail(format!("needs {what} from 1 to 721")))
+        }
     }
 
     /// So many angles, degrees, ascending from 0 to `end`.

@@ -70,7 +70,8 @@ impl<'a> Numbers<'a> {
     /// So many numbers.
     fn list(&mut self, count: usize, what: &str) -> Read<Vec<f64>> {
         // Each takes two bytes at least: a count that lies asks for no more memory than the file has.
-        let mut numbers = Vec::with_capacity(count.min(self.lines.rest().len() / 2 + self.words.len()));
+        let mut numbers =
+            Vec::with_capacity(count.min(self.lines.rest().len() / 2 + self.words.len()));
         for _ in 0..count {
             numbers.push(self.number(what)?);
         }
@@ -83,7 +84,9 @@ impl<'a> Numbers<'a> {
         let inside = |angle: &&f64| !(bounds[0]..=bounds[1]).contains(*angle);
         if let Some(outside) = angles.iter().find(inside) {
             let [from, to] = bounds;
-            return Err(self.fail(format!("needs {what} from {from} to {to} degrees, not {outside}")));
+            return Err(
+                self.fail(format!("needs {what} from {from} to {to} degrees, not {outside}"))
+            );
         }
         match angles.is_sorted_by(|a, b| a < b) {
             true => Ok(angles),
@@ -116,7 +119,8 @@ fn whole_turn(planes: Vec<f64>, values: &[f32], rows: usize) -> (Vec<f64>, Vec<f
     let (first, last) = (planes[0], planes[planes.len() - 1]);
     let mut all: Vec<(f64, usize)> = planes.iter().copied().zip(0..).collect();
     let mut mirror = |axis: f64| {
-        let mirrored: Vec<_> = all.iter().map(|(angle, plane)| (2.0 * axis - angle, *plane)).collect();
+        let mirrored: Vec<_> =
+            all.iter().map(|(angle, plane)| (2.0 * axis - angle, *plane)).collect();
         all.extend(mirrored);
     };
     match (first, last) {

@@ -57,7 +57,17 @@ fn quarters_and_halves_are_continued_to_the_whole() {
         read(text.as_bytes(), "a.ies").unwrap().intensity(direction(c, 90.0))
     };
     let quarter = ("0 45 90", "0 1  0 2  0 3");
-    for (c, expected) in [(0.0, 1.0), (45.0, 2.0), (90.0, 3.0), (135.0, 2.0), (180.0, 1.0), (225.0, 2.0), (270.0, 3.0), (300.0, 7.0 / 3.0), (359.0, 1.0 + 1.0 / 45.0)] {
+    for (c, expected) in [
+        (0.0, 1.0),
+        (45.0, 2.0),
+        (90.0, 3.0),
+        (135.0, 2.0),
+        (180.0, 1.0),
+        (225.0, 2.0),
+        (270.0, 3.0),
+        (300.0, 7.0 / 3.0),
+        (359.0, 1.0 + 1.0 / 45.0),
+    ] {
         close(at(quarter.0, quarter.1, c), expected);
     }
     let half = ("0 90 180", "0 1  0 2  0 3");
@@ -65,7 +75,9 @@ fn quarters_and_halves_are_continued_to_the_whole() {
         close(at(half.0, half.1, c), expected);
     }
     let other_half = ("90 180 270", "0 1  0 2  0 3");
-    for (c, expected) in [(90.0, 1.0), (180.0, 2.0), (270.0, 3.0), (0.0, 2.0), (45.0, 1.5), (315.0, 2.5)] {
+    for (c, expected) in
+        [(90.0, 1.0), (180.0, 2.0), (270.0, 3.0), (0.0, 2.0), (45.0, 1.5), (315.0, 2.5)]
+    {
         close(at(other_half.0, other_half.1, c), expected);
     }
     let whole = ("0 90 180 270 360", "0 1  0 2  0 3  0 4  0 1");
@@ -78,7 +90,9 @@ fn quarters_and_halves_are_continued_to_the_whole() {
 
 #[test]
 fn floodlights_and_headlamps_have_angles_of_their_own() {
-    let text = |kind: u32| ies("-90 0 90", "0 90", "0 0  4 2  8 0").replace(" 1 2 0.1", &format!(" {kind} 2 0.1"));
+    let text = |kind: u32| {
+        ies("-90 0 90", "0 90", "0 0  4 2  8 0").replace(" 1 2 0.1", &format!(" {kind} 2 0.1"))
+    };
     let b = read(text(2).as_bytes(), "b.ies").unwrap();
     assert_eq!(b.goniometer, Goniometer::B);
     close(b.intensity(DVec3::Z), 4.0);
@@ -93,7 +107,8 @@ fn floodlights_and_headlamps_have_angles_of_their_own() {
 
 #[test]
 fn tilt_is_skipped_and_old_headers_are_read() {
-    let included = ies("0", "0 90", "1 2").replace("TILT=NONE", "a lamp\nTILT=INCLUDE\n1\n2\n0 90\n1 0.9");
+    let included =
+        ies("0", "0 90", "1 2").replace("TILT=NONE", "a lamp\nTILT=INCLUDE\n1\n2\n0 90\n1 0.9");
     assert_eq!(read(included.as_bytes(), "a.ies").unwrap().vertical.len(), 2);
     let commas = "TILT=NONE\n1,-1,1,2,1,1,2,0,0,0\n1,1,20\n0,90\n0\n5,\n6\n";
     let web = read(commas.as_bytes(), "a.ies").unwrap();
@@ -158,7 +173,14 @@ fn what_is_no_luminaire_is_refused_with_its_line() {
     let angles = [0.0, 90.0, 180.0, 270.0];
     let good = ldt(2, &angles, &[1.0, 2.0, 3.0]);
     assert!(read(good.as_bytes(), "a.ldt").is_ok());
-    for (from, to) in [("\r\n2\r\n4", "\r\n5\r\n4"), ("\r\n180", "\r\n170"), ("2000", "0"), ("1,0", "x"), ("\r\n90\r\n0\r\n1", "\r\n90\r\n0\r\n-1"), ("270\r\n", "260\r\n80\r\n")] {
+    for (from, to) in [
+        ("\r\n2\r\n4", "\r\n5\r\n4"),
+        ("\r\n180", "\r\n170"),
+        ("2000", "0"),
+        ("1,0", "x"),
+        ("\r\n90\r\n0\r\n1", "\r\n90\r\n0\r\n-1"),
+        ("270\r\n", "260\r\n80\r\n"),
+    ] {
         let bad = good.replacen(from, to, 1);
         assert_ne!(bad, good, "{from:?}");
         assert!(read(bad.as_bytes(), "a.ldt").is_err(), "{from:?} → {to:?}");

@@ -16,7 +16,11 @@ impl PhotometricWeb {
             Goniometer::A => (x.atan2(z), across(y)),
         };
         let turns = self.goniometer == Goniometer::C;
-        let around = if turns { turn(&self.horizontal, horizontal) } else { side(&self.horizontal, horizontal) };
+        let around = if turns {
+            turn(&self.horizontal, horizontal)
+        } else {
+            side(&self.horizontal, horizontal)
+        };
         let (Some(around), Some(along)) = (around, side(&self.vertical, vertical)) else {
             return 0.0;
         };

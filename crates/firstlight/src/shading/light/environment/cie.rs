@@ -82,13 +82,7 @@ mod tests {
     }
 
     /// ∫ L cos over the directions from a receiver to a horizontal or vertical rectangle, by midpoints.
-    fn through(
-        sky: &CieSky,
-        from: DVec3,
-        normal: DVec3,
-        corner: DVec3,
-        edges: [DVec3; 2],
-    ) -> f64 {
+    fn through(sky: &CieSky, from: DVec3, normal: DVec3, corner: DVec3, edges: [DVec3; 2]) -> f64 {
         const PARTS: usize = 600;
         let outward = edges[0].cross(edges[1]) / (PARTS * PARTS) as f64;
         let middle = |i: usize| (i as f64 + 0.5) / PARTS as f64;
@@ -151,7 +145,10 @@ mod tests {
             for ((from, normal), expected) in receivers.into_iter().zip(expected) {
                 let edges = [4.0 * DVec3::X, 4.0 * DVec3::Y];
                 let share = 100.0 * through(&sky, from, normal, 3.0 * DVec3::Z, edges) / all;
-                assert!((share / expected - 1.0).abs() < 1e-3, "{number}: {share} is not {expected}");
+                assert!(
+                    (share / expected - 1.0).abs() < 1e-3,
+                    "{number}: {share} is not {expected}"
+                );
             }
         }
     }

@@ -4,9 +4,8 @@
 //! fitted to simulations with the formula of Perez, Seals and Michalsky 1993. Of the sun, what the atmosphere lets
 //! through: molecules, dust and ozone, each by its own law of wavelength.
 
-use crate::color::Rgb;
-use glam::{DMat3, DVec2, DVec3};
-use std::f64::consts::{FRAC_PI_2, PI};
+use glam::{DMat3, DVec3};
+use std::f64::consts::PI;
 
 /// A sky under a sun.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,9 +26,27 @@ impl PreethamSky {
         let t = turbidity.clamp(TURBIDITIES[0], TURBIDITIES[1]);
         let sun = if sun.z < 0.0 { sun.with_z(0.0).normalize_or(DVec3::Y) } else { sun };
         let perez = [
-            [[0.1787, -1.4630], [-0.3554, 0.4275], [-0.0227, 5.3251], [0.1206, -2.5771], [-0.0670, 0.3703]],
-            [[-0.0193, -0.2592], [-0.0665, 0.0008], [-0.0004, 0.2125], [-0.0641, -0.8989], [-0.0033, 0.0452]],
-            [[-0.0167, -0.2608], [-0.0950, 0.0092], [-0.0079, 0.2102], [-0.0441, -1.6537], [-0.0109, 0.0529]],
+            [
+                [0.1787, -1.4630],
+                [-0.3554, 0.4275],
+                [-0.0227, 5.3251],
+                [0.1206, -2.5771],
+                [-0.0670, 0.3703],
+            ],
+            [
+                [-0.0193, -0.2592],
+                [-0.0665, 0.0008],
+                [-0.0004, 0.2125],
+                [-0.0641, -0.8989],
+                [-0.0033, 0.0452],
+            ],
+            [
+                [-0.0167, -0.2608],
+                [-0.0950, 0.0092],
+                [-0.0079, 0.2102],
+                [-0.0441, -1.6537],
+                [-0.0109, 0.0529],
+            ],
         ];
         let perez = perez.map(|of_channel| of_channel.map(|[slope, offset]| slope * t + offset));
         let zenith = zenith(t, sun.z.clamp(-1.0, 1.0).acos());

@@ -1,7 +1,7 @@
 //! The environment against closed forms, and its directions against their density.
 
 use super::*;
-use crate::scene::description::Texels;
+use crate::scene::description::{Pixels, Sampling, Texels};
 use crate::testing::{Random, chi_squared_z};
 use glam::{DVec2, DVec3, Vec4};
 use std::f64::consts::{PI, TAU};
