@@ -5,6 +5,10 @@
 //! balance heuristic; Veach 1997 §9.2), so that nothing is counted twice. Batches of paths go through the stages
 //! together, bounce by bounce; what one path gathers depends on no other.
 
+mod occlusion;
+
+pub(crate) use occlusion::Occlusion;
+
 use super::RayCounts;
 use super::dimensions::Bounce;
 use crate::color::Rgb;
@@ -14,7 +18,7 @@ use crate::sampler::PathPoints;
 use crate::scene::{LocalLight, Scene, SeenByCamera, StopsLight};
 use crate::shading::bsdf::Bsdf;
 use crate::shading::interaction::{SurfaceInteraction, clearance};
-use crate::shading::light::Light;
+use crate::shading::light::LightSample;
 use crate::shading::light::area::AreaLight;
 use crate::shading::light::environment::EnvironmentSample;
 use glam::{DVec3, Vec2, Vec3};
@@ -106,14 +110,20 @@ impl<'a> Path<'a> {
     /// Radiance along each of `rays`, one sample each by its `points`, into `scratch.samples`.
     #[inline(always)]
     pub(crate) fn gather(&self, rays: &[Ray], points: &[PathPoints], scratch: &mut Scratch) {
+        self.look(rays, scratch);
+        self.arrive(0, scratch);
+        self.follow(points, scratch);
+    }
+
+    /// Traces the camera rays.
+    #[inline(always)]
+    fn look(&self, rays: &[Ray], scratch: &mut Scratch) {
         scratch.begin(rays.len());
         scratch.counts.camera += rays.len() as u64;
         scratch.rays.extend_from_slice(rays);
         scratch.walks.extend((0..rays.len() as u32).map(Walk::from_eye));
         let filter = SeenByCamera(self.scene, 0);
         self.scene.world.closest_hits(&scratch.rays, &filter, &mut scratch.hits);
-        self.arrive(0, scratch);
-        self.follow(points, scratch);
     }
 
     /// Irradiance at `position` on a surface that faces the unit vector `normal`, W·m⁻², one sample for each of
@@ -125,12 +135,18 @@ impl<'a> Path<'a> {
         points: &[PathPoints],
         scratch: &mut Scratch,
     ) {
+        self.stand(position, normal, points.len(), scratch);
+        scratch.samples.iter_mut().for_each(|sample| sample.radiance = PI * self.scene.ambient);
+        self.follow(points, scratch);
+    }
+
+    /// Begins `count` paths at `position` on a surface that faces `normal` and reflects π times the light.
+    fn stand(&self, position: DVec3, normal: Vec3, count: usize, scratch: &mut Scratch) {
         let position = position.as_vec3();
         let start = position + clearance(normal, position.abs(), 0.0) * normal;
         let bsdf = Bsdf::Lambert { reflectance: Rgb::splat(PI) };
-        scratch.begin(points.len());
-        scratch.samples.iter_mut().for_each(|sample| sample.radiance = PI * self.scene.ambient);
-        scratch.vertices.extend((0..points.len() as u32).map(|sample| Vertex {
+        scratch.begin(count);
+        scratch.vertices.extend((0..count as u32).map(|sample| Vertex {
             walk: Walk { mirrors_only: false, ..Walk::from_eye(sample) },
             position,
             start,
@@ -138,7 +154,6 @@ impl<'a> Path<'a> {
             outgoing: normal,
             bsdf,
         }));
-        self.follow(points, scratch);
     }
 
     /// Goes on from the vertices of the first bounce until all paths have ended.
@@ -182,6 +197,9 @@ impl<'a> Path<'a> {
                 let weight = self.weight_of_emission(bounce, walk, ray, &surface);
                 sample.radiance += walk.throughput * emitted * weight;
             }
+            if bounce == self.bounces {
+                continue;
+            }
             if self.scene.ambient != Rgb::ZERO {
                 let reflected = self.scene.ambient_reflectance(material, &surface);
                 sample.radiance += walk.throughput * reflected * self.scene.ambient;
@@ -190,14 +208,7 @@ impl<'a> Path<'a> {
             if bsdf.is_black() {
                 continue;
             }
-            vertices.push(Vertex {
-                walk: *walk,
-                position: surface.position,
-                start: surface.ray_origin(),
-                shading_normal: surface.shading_normal,
-                outgoing: -ray.direction,
-                bsdf,
-            });
+            vertices.push(Vertex::new(*walk, ray, &surface, bsdf));
         }
     }
 
@@ -253,11 +264,20 @@ impl<'a> Path<'a> {
         let pair = |vertex: &Vertex, pair: u32| points[vertex.walk.sample as usize].pair(pair);
         let asks_all = self.asks_all(bounce);
         for light in self.scene.lights.iter().filter(|light| asks_all || light.bounds().is_none()) {
-            self.ask(scratch, |vertex| vertex.light_from(light, 1.0));
+            self.ask(scratch, |vertex| {
+                vertex.light_from(light.sample(vertex.position.as_dvec3())?, light.shadows, 1.0)
+            });
         }
         if asks_all {
-            for (number, light) in (0..).zip(self.scene.area_lights.iter()) {
+            for (number, light) in (0..).zip(&self.scene.round_lights) {
                 let place = pairs.light(number);
+                self.ask(scratch, |vertex| {
+                    let u = pair(vertex, place).as_dvec2();
+                    vertex.light_from(light.sample(vertex.position.as_dvec3(), u)?, true, 1.0)
+                });
+            }
+            for (number, light) in (0..).zip(self.scene.area_lights.iter()) {
+                let place = pairs.light(self.scene.round_lights.len() as u32 + number);
                 self.ask(scratch, |vertex| {
                     vertex.light_from_area(self.scene, light, 1.0, pair(vertex, place))
                 });
@@ -286,7 +306,13 @@ impl<'a> Path<'a> {
         let Self { scene, .. } = self;
         match scene.local_lights.pick(vertex.start, vertex.shading_normal, pick)? {
             (LocalLight::Point(place), chance) => {
-                vertex.light_from(&scene.lights[place as usize], chance)
+                let light = &scene.lights[place as usize];
+                vertex.light_from(light.sample(vertex.position.as_dvec3())?, light.shadows, chance)
+            }
+            (LocalLight::Round(place), chance) => {
+                let light = &scene.round_lights[place as usize];
+                let sample = light.sample(vertex.position.as_dvec3(), u.as_dvec2())?;
+                vertex.light_from(sample, true, chance)
             }
             (LocalLight::Area(number), chance) => {
                 vertex.light_from_area(scene, scene.area_lights.get(number), chance, u)
@@ -390,6 +416,19 @@ impl Walk {
 }
 
 impl Vertex {
+    /// Where `ray` met `surface`.
+    #[inline(always)]
+    fn new(walk: Walk, ray: &Ray, surface: &SurfaceInteraction, bsdf: Bsdf) -> Self {
+        Self {
+            walk,
+            position: surface.position,
+            start: surface.ray_origin(),
+            shading_normal: surface.shading_normal,
+            outgoing: -ray.direction,
+            bsdf,
+        }
+    }
+
     /// BSDF × cosine for light from `incoming`, with the density of that direction; `None` if it reflects nothing.
     #[inline(always)]
     fn reflected(&self, incoming: Vec3) -> Option<(Rgb, f32)> {
@@ -397,12 +436,11 @@ impl Vertex {
         (cos > 0.0 && value != Rgb::ZERO).then(|| (value * cos, self.bsdf.pdf(cos)))
     }
 
-    /// From a light without extent that had this chance of being asked.
+    /// From a light that no ray can meet and that had this chance of being asked.
     #[inline(always)]
-    fn light_from(&self, light: &Light, chance: f32) -> Option<Answer> {
-        let sample = light.sample(self.position.as_dvec3())?;
+    fn light_from(&self, sample: LightSample, shadows: bool, chance: f32) -> Option<Answer> {
         let (reflected, _) = self.reflected(sample.incoming)?;
-        let ray = light.shadows.then(|| sample.ray_from(self.position, self.start, 0.0));
+        let ray = shadows.then(|| sample.ray_from(self.position, self.start, 0.0));
         Some(Answer { ray, radiance: reflected * sample.irradiance / chance })
     }
 

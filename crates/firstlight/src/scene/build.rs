@@ -3,8 +3,7 @@
 use super::Scene;
 use super::Studio;
 use super::description::{
-    Alpha, CameraLightAmount, Integrator, Light, LightDescription, Material, SceneDescription,
-    Shape, Surface,
+    Alpha, CameraLightAmount, Light, LightDescription, Material, SceneDescription, Shape, Surface,
 };
 use super::lights::{LocalLights, area_lights, environment, mean_emission};
 use crate::bvh::{MeshPart, Part, World};
@@ -13,8 +12,9 @@ use crate::color::Rgb;
 use crate::geometry::Analytic;
 use crate::kernels::{ONE_SIDED, PARTLY_THERE};
 use crate::shading::light::environment::Sun;
-use crate::shading::light::{Cone, Light as BuiltLight, Source};
+use crate::shading::light::{Cone, Light as BuiltLight, RoundLight, Source};
 use crate::simd::Level;
+use glam::DMat3;
 use std::sync::Arc;
 
 /// A mesh whose copies would have more triangles than this is instanced; otherwise its copies stand in the world's
@@ -39,12 +39,14 @@ impl Scene {
         let world = World::build(parts(description), level);
         let material_of: Vec<_> = description.surfaces.iter().map(|s| s.material as u32).collect();
         let sky = description.environment.as_ref();
-        let lights = description.lights.iter();
-        let lights = lights.filter_map(|l| light(l, &camera, description.integrator));
-        let lights: Vec<_> = lights.collect();
+        let all = || description.lights.iter();
+        let lights: Vec<_> = all().filter_map(|l| pointlike(l, &camera)).collect();
+        let round_lights: Vec<_> = all().filter_map(|l| round(l, &camera)).collect();
+        let suns: Vec<_> = all().filter_map(sun).collect();
         let area_lights = area_lights(&world, &material_of, &description.materials);
         Self {
-            local_lights: LocalLights::new(&lights, &area_lights, |surface| {
+            is_lecture: description.is_lecture(),
+            local_lights: LocalLights::new(&lights, &round_lights, &area_lights, |surface| {
                 let material = &description.materials[material_of[surface as usize] as usize];
                 mean_emission(material, &description.images)
             }),
@@ -55,7 +57,8 @@ impl Scene {
             materials: description.materials.clone(),
             images: description.images.clone(),
             lights,
-            suns: description.lights.iter().filter_map(sun).collect(),
+            round_lights,
+            suns,
             ambient,
             background: description.background,
             shadows: description.shadows,
@@ -71,12 +74,19 @@ fn ambient(light: &LightDescription) -> Option<Rgb> {
     if let Light::Ambient { radiance } = light.light { Some(radiance) } else { None }
 }
 
-/// A light without extent, as `integrator` sees it.
-fn light(
-    described: &LightDescription,
-    camera: &Camera,
-    integrator: Integrator,
-) -> Option<BuiltLight> {
+/// A light without extent; if it has one, but casts no shadows that could tell, its middle.
+fn pointlike(described: &LightDescription, camera: &Camera) -> Option<BuiltLight> {
+    if described.has_extent() { None } else { middle(described, camera) }
+}
+
+/// A sphere that shines in place of a point.
+fn round(described: &LightDescription, camera: &Camera) -> Option<RoundLight> {
+    let is_round = described.has_extent() && described.radius > 0.0;
+    RoundLight::new(&middle(described, camera).filter(|_| is_round)?, described.radius)
+}
+
+/// The light as if it had no extent; `None` if it comes from everywhere.
+fn middle(described: &LightDescription, camera: &Camera) -> Option<BuiltLight> {
     let source = match described.light {
         Light::Ambient { .. } => return None,
         Light::Point { position, intensity } => Source::Point { position, intensity },
@@ -84,8 +94,10 @@ fn light(
             let cone = Cone::new(direction, inner_angle, outer_angle, falloff);
             Source::Spot { position, intensity, cone }
         }
-        Light::Sun { .. } if integrator != Integrator::Direct && described.shadows => return None,
-        // Without shadows, or for those who sum over points, its middle stands for it.
+        Light::Photometric { position, rotation, ref web, factor } => {
+            let to_luminaire = DMat3::from_quat(rotation.inverse());
+            Source::Photometric { position, to_luminaire, web: Arc::clone(web), factor }
+        }
         Light::Directional { direction, irradiance } | Light::Sun { direction, irradiance, .. } => {
             Source::Directional { toward: -direction.as_vec3(), irradiance }
         }

@@ -2,18 +2,18 @@
 
 use super::Scene;
 use super::description::{
-    Alpha, EnvironmentDescription, Material, Pattern, Pixels, SceneDescription, Surface, Texture,
-    Wrap,
+    Alpha, EnvironmentDescription, LightDescription, Material, Pattern, Pixels, SceneDescription,
+    Surface, Texture, Wrap,
 };
 use crate::bvh::{MeshPart, Part, World};
 use crate::color::Rgb;
 use crate::geometry::{Hit, Ray};
 use crate::shading::interaction::SurfaceInteraction;
-use crate::shading::light::Light;
 use crate::shading::light::area::{AreaLight, AreaLights, shapes};
 use crate::shading::light::environment::{Aim, Environment};
 use crate::shading::light::shape::{LightShape, ShapeSample, Triangle};
 use crate::shading::light::tree::LightTree;
+use crate::shading::light::{Light, RoundLight};
 use crate::shading::texture::texel;
 use glam::{DMat3, DVec4, Vec2, Vec3, Vec4, Vec4Swizzles};
 use std::sync::Arc;
@@ -81,11 +81,13 @@ fn mean(pixels: &Pixels) -> Vec4 {
 }
 
 /// Lights that are somewhere, as opposed to everywhere or infinitely far away: those without extent in the order of
-/// the scene's, then those that surfaces are.
+/// the scene's, then round ones, then those that surfaces are.
 #[derive(Debug, Clone)]
 pub(crate) struct LocalLights {
     /// Places of the lights without extent in [`Scene::lights`].
     points: Vec<u32>,
+    /// How many round lights there are.
+    round: u32,
     count: u32,
     tree: LightTree,
 }
@@ -95,6 +97,8 @@ pub(crate) struct LocalLights {
 pub(crate) enum LocalLight {
     /// Place in [`Scene::lights`].
     Point(u32),
+    /// Place in [`Scene::round_lights`].
+    Round(u32),
     /// Place in [`Scene::area_lights`].
     Area(u32),
 }
@@ -103,6 +107,7 @@ impl LocalLights {
     /// `mean_emission` is that of a surface.
     pub(super) fn new(
         lights: &[Light],
+        round_lights: &[RoundLight],
         area_lights: &AreaLights,
         mean_emission: impl Fn(u32) -> f32,
     ) -> Self {
@@ -114,8 +119,10 @@ impl LocalLights {
                 bounds.push(of_light);
             }
         }
+        bounds.extend(round_lights.iter().map(RoundLight::bounds));
         bounds.extend(area_lights.iter().map(|light| light.bounds(mean_emission(light.surface))));
-        Self { points, count: bounds.len() as u32, tree: LightTree::build(&bounds) }
+        let round = round_lights.len() as u32;
+        Self { points, round, count: bounds.len() as u32, tree: LightTree::build(&bounds) }
     }
 
     /// How many there are.
@@ -128,9 +135,11 @@ impl LocalLights {
     #[inline(always)]
     pub(crate) fn pick(&self, point: Vec3, normal: Vec3, u: f64) -> Option<(LocalLight, f32)> {
         let (number, probability) = self.tree.pick(point, normal, u)?;
+        let behind_points = number.wrapping_sub(self.points.len() as u32);
         let light = match self.points.get(number as usize) {
             Some(&place) => LocalLight::Point(place),
-            None => LocalLight::Area(number - self.points.len() as u32),
+            None if behind_points < self.round => LocalLight::Round(behind_points),
+            None => LocalLight::Area(behind_points - self.round),
         };
         Some((light, probability))
     }
@@ -138,11 +147,23 @@ impl LocalLights {
     /// Probability with which [`LocalLights::pick`] picks an area light.
     #[inline(always)]
     pub(crate) fn probability(&self, point: Vec3, normal: Vec3, area_light: u32) -> f32 {
-        self.tree.probability(point, normal, area_light + self.points.len() as u32)
+        let before = self.points.len() as u32 + self.round;
+        self.tree.probability(point, normal, before + area_light)
     }
 }
 
 impl SceneDescription {
+    /// Whether nothing shines but points and what is as good as a point, and nothing mirrors: what the lecture has.
+    pub(crate) fn is_lecture(&self) -> bool {
+        let plain = |surface: &Surface| {
+            let material = &self.materials[surface.material];
+            material.is_matte() && !emits(material)
+        };
+        self.environment.is_none()
+            && !self.lights.iter().any(LightDescription::has_extent)
+            && self.surfaces.iter().all(plain)
+    }
+
     /// Area of a surface, one side, m²; `None` if it has no end, or is a part of a cone.
     pub(crate) fn emitting_area(&self, surface: &Surface) -> Option<f64> {
         let shapes = match super::build::part(self, surface, &|_| false) {

@@ -16,7 +16,7 @@ fn ies(planes: &str, rows: &str, values: &str) -> String {
 
 fn direction(c: f64, gamma: f64) -> DVec3 {
     let ((sin_c, cos_c), (sin, cos)) = (c.to_radians().sin_cos(), gamma.to_radians().sin_cos());
-    DVec3::new(sin * cos_c, sin * sin_c, cos)
+    DVec3::new(sin * cos_c, sin * sin_c, -cos)
 }
 
 #[track_caller]
@@ -95,14 +95,14 @@ fn floodlights_and_headlamps_have_angles_of_their_own() {
     };
     let b = read(text(2).as_bytes(), "b.ies").unwrap();
     assert_eq!(b.goniometer, Goniometer::B);
-    close(b.intensity(DVec3::Z), 4.0);
+    close(b.intensity(-DVec3::Z), 4.0);
     close(b.intensity(DVec3::X), 8.0);
     close(b.intensity(DVec3::Y), 2.0);
     close(b.intensity(-DVec3::Y), 2.0);
-    close(b.intensity(DVec3::new(0.5, 0.0, 0.75_f64.sqrt())), 4.0 + 4.0 / 3.0);
+    close(b.intensity(DVec3::new(0.5, 0.0, -0.75_f64.sqrt())), 4.0 + 4.0 / 3.0);
     let a = read(text(3).as_bytes(), "a.ies").unwrap();
     close(a.intensity(DVec3::X), 8.0);
-    close(a.intensity(-DVec3::Z), 0.0);
+    close(a.intensity(DVec3::Z), 0.0);
 }
 
 #[test]

@@ -45,16 +45,16 @@ pub enum Sky {
         number: u8,
         /// Unit vector to the sun, which is not part of it.
         sun: DVec3,
-        /// Reflectance of the ground below the horizon, 0..1.
+        /// Radiance of the ground below the horizon.
         ground: Rgb,
     },
     /// A clear or hazy sky, in cd·m⁻².
     Clear {
         /// How hazy: 2 is clear, 6 hazy.
         turbidity: f64,
-        /// Unit vector to the sun, which is not part of it but lights the ground.
+        /// Unit vector to the sun, which is not part of it.
         sun: DVec3,
-        /// Reflectance of the ground below the horizon, 0..1.
+        /// Luminance of the ground below the horizon per channel.
         ground: Rgb,
     },
 }

@@ -18,7 +18,8 @@ pub struct PhotometricWeb {
     pub lamp_flux: Option<f64>,
 }
 
-/// How directions are counted, in the luminaire's own space: z is its axis, along which it mainly shines.
+/// How directions are counted, in the luminaire's own space: its axis, along which it mainly shines, is −z, as if it hung
+/// from a ceiling.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Goniometer {
     /// Vertical: from the axis; horizontal: around it, from x towards y. What buildings use.

@@ -5,10 +5,12 @@ use glam::DVec3;
 use std::f64::consts::TAU;
 
 impl PhotometricWeb {
-    /// Luminous intensity in a unit direction of the luminaire's own space (z its axis), cd: straight lines between the
+    /// Luminous intensity in a unit direction of the luminaire's own space (its axis is −z), cd: straight lines between the
     /// measured angles.
     pub(crate) fn intensity(&self, direction: DVec3) -> f32 {
-        let DVec3 { x, y, z } = direction;
+        let DVec3 { x, y, z: up } = direction;
+        // Not −up: a negative zero would turn what lies across by 180°.
+        let z = 0.0 - up;
         let across = |c: f64| c.clamp(-1.0, 1.0).asin();
         let (horizontal, vertical) = match self.goniometer {
             Goniometer::C => (y.atan2(x).rem_euclid(TAU), z.clamp(-1.0, 1.0).acos()),
@@ -43,7 +45,7 @@ impl PhotometricWeb {
     }
 
     /// The largest intensity, cd.
-    pub(crate) fn brightest(&self) -> f32 {
+    pub fn brightest(&self) -> f32 {
         self.intensities.iter().copied().fold(0.0, f32::max)
     }
 }

@@ -8,7 +8,8 @@ mod table;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use sky::{cie_irradiance, sunlight};
+pub(crate) use preetham::TURBIDITIES;
+pub(crate) use sky::sunlight;
 pub(crate) use sun::Sun;
 pub(crate) use table::Aim;
 

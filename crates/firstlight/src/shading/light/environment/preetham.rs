@@ -18,7 +18,7 @@ pub(super) struct PreethamSky {
 }
 
 /// Turbidities that the fit was made for; 2 is a clear sky, 6 a hazy one.
-pub(super) const TURBIDITIES: [f64; 2] = [1.7, 10.0];
+pub(crate) const TURBIDITIES: [f64; 2] = [1.7, 10.0];
 
 impl PreethamSky {
     /// The sky for a turbidity (clamped to what the fit was made for) and a sun in the unit direction `sun`.

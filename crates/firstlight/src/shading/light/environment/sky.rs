@@ -35,15 +35,10 @@ impl Radiance {
                 Self::Picture { pixels: Arc::clone(pixels), sampling: *sampling }
             }
             &Sky::Cie { number, sun, ground } => {
-                let reflected = cie_irradiance(number, sun) / PI;
-                Self::Cie { sky: CieSky::new(number, sun), ground: ground * reflected as f32 }
+                Self::Cie { sky: CieSky::new(number, sun), ground }
             }
             &Sky::Clear { turbidity, sun, ground } => {
-                let sky = PreethamSky::new(turbidity, sun);
-                let from_sky = horizontal(|from| sky.luminance(from));
-                let from_sun = sunlight(turbidity, sun) * sun.z.max(0.0);
-                let reflected = (from_sky + from_sun) / PI;
-                Self::Clear { sky, ground: ground * reflected.as_vec3() }
+                Self::Clear { sky: PreethamSky::new(turbidity, sun), ground }
             }
         }
     }
@@ -76,10 +71,12 @@ impl Radiance {
     }
 }
 
-/// Irradiance of the ground under a sky of the CIE that is 1 at its zenith.
-pub(crate) fn cie_irradiance(number: u8, sun: DVec3) -> f64 {
-    let sky = CieSky::new(number, sun);
-    horizontal(|from| DVec3::splat(sky.relative(from))).x
+impl Sky {
+    /// Irradiance of the ground under it, before the environment's factor.
+    pub(crate) fn horizontal_irradiance(&self) -> DVec3 {
+        let radiance = Radiance::new(self);
+        horizontal(|from| radiance.from(from.as_vec3()).as_dvec3())
+    }
 }
 
 /// Illuminance of each channel from the sun alone on what faces it, lx, through an atmosphere of this turbidity.

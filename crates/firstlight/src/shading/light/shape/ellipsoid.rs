@@ -27,7 +27,7 @@ impl Ellipsoid {
     }
 
     /// Every direction that meets it is picked alike if it is a sphere; of an ellipsoid, in the space of its sphere.
-    pub(super) fn sample(&self, from: DVec3, u: DVec2) -> Option<ShapeSample> {
+    pub(crate) fn sample(&self, from: DVec3, u: DVec2) -> Option<ShapeSample> {
         let eye = self.to_unit * (from - self.center);
         let outward =
             if eye.length_squared() > 1.0 { from_outside(eye, u) } else { inside(eye, u) };
