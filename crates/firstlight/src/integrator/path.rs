@@ -15,7 +15,7 @@ use crate::color::Rgb;
 use crate::film::Sample;
 use crate::geometry::{Hit, Ray};
 use crate::sampler::PathPoints;
-use crate::scene::{LocalLight, Scene, SeenByCamera, StopsLight};
+use crate::scene::{LocalLight, LocalLights, Scene, SeenByCamera, StopsLight};
 use crate::shading::bsdf::Bsdf;
 use crate::shading::interaction::{SurfaceInteraction, clearance};
 use crate::shading::light::LightSample;
@@ -263,7 +263,10 @@ impl<'a> Path<'a> {
         let pairs = Bounce::new(bounce);
         let pair = |vertex: &Vertex, pair: u32| points[vertex.walk.sample as usize].pair(pair);
         let asks_all = self.asks_all(bounce);
-        for light in self.scene.lights.iter().filter(|light| asks_all || light.bounds().is_none()) {
+        let LocalLights { points: near, elsewhere, .. } = &self.scene.local_lights;
+        let near = if asks_all { near.as_slice() } else { &[] };
+        for &place in elsewhere.iter().chain(near) {
+            let light = &self.scene.lights[place as usize];
             self.ask(scratch, |vertex| {
                 vertex.light_from(light.sample(vertex.position.as_dvec3())?, light.shadows, 1.0)
             });

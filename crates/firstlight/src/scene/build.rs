@@ -46,10 +46,16 @@ impl Scene {
         let area_lights = area_lights(&world, &material_of, &description.materials);
         Self {
             is_lecture: description.is_lecture(),
-            local_lights: LocalLights::new(&lights, &round_lights, &area_lights, |surface| {
-                let material = &description.materials[material_of[surface as usize] as usize];
-                mean_emission(material, &description.images)
-            }),
+            local_lights: LocalLights::new(
+                &lights,
+                &round_lights,
+                &area_lights,
+                level,
+                |surface| {
+                    let material = &description.materials[material_of[surface as usize] as usize];
+                    mean_emission(material, &description.images)
+                },
+            ),
             area_lights,
             environment: sky.map(|sky| (environment(sky), sky.visible)),
             world,

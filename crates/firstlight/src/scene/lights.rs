@@ -15,6 +15,7 @@ use crate::shading::light::shape::{LightShape, ShapeSample, Triangle};
 use crate::shading::light::tree::LightTree;
 use crate::shading::light::{Light, RoundLight};
 use crate::shading::texture::texel;
+use crate::simd::Level;
 use glam::{DMat3, DVec4, Vec2, Vec3, Vec4, Vec4Swizzles};
 use std::sync::Arc;
 
@@ -85,7 +86,9 @@ fn mean(pixels: &Pixels) -> Vec4 {
 #[derive(Debug, Clone)]
 pub(crate) struct LocalLights {
     /// Places of the lights without extent in [`Scene::lights`].
-    points: Vec<u32>,
+    pub(crate) points: Vec<u32>,
+    /// Places of the others there, which are everywhere alike or infinitely far away.
+    pub(crate) elsewhere: Vec<u32>,
     /// How many round lights there are.
     round: u32,
     count: u32,
@@ -109,20 +112,22 @@ impl LocalLights {
         lights: &[Light],
         round_lights: &[RoundLight],
         area_lights: &AreaLights,
+        level: Level,
         mean_emission: impl Fn(u32) -> f32,
     ) -> Self {
-        let mut points = Vec::new();
-        let mut bounds = Vec::new();
-        for (place, of_light) in (0..).zip(lights.iter().map(Light::bounds)) {
-            if let Some(of_light) = of_light {
-                points.push(place);
-                bounds.push(of_light);
-            }
-        }
+        let is_somewhere = |place: &u32| lights[*place as usize].bounds().is_some();
+        let (points, elsewhere) = (0..lights.len() as u32).partition::<Vec<_>, _>(is_somewhere);
+        let mut bounds: Vec<_> = lights.iter().filter_map(Light::bounds).collect();
         bounds.extend(round_lights.iter().map(RoundLight::bounds));
         bounds.extend(area_lights.iter().map(|light| light.bounds(mean_emission(light.surface))));
         let round = round_lights.len() as u32;
-        Self { points, round, count: bounds.len() as u32, tree: LightTree::build(&bounds) }
+        Self {
+            points,
+            elsewhere,
+            round,
+            count: bounds.len() as u32,
+            tree: LightTree::build(&bounds, level),
+        }
     }
 
     /// How many there are.

@@ -18,8 +18,7 @@ const MOST_DIRECTIONS: usize = 1 << 22;
 /// If a line cannot be read, angles are not ascending, intensities are missing, negative or no numbers.
 pub fn read(bytes: &[u8], name: &str) -> Result<PhotometricWeb> {
     let is_eulumdat = name.to_ascii_lowercase().ends_with(".ldt");
-    let web = if is_eulumdat { eulumdat::read(bytes, name) } else { ies::read(bytes, name) };
-    Ok(web?)
+    if is_eulumdat { eulumdat::read(bytes, name) } else { ies::read(bytes, name) }
 }
 
 /// What was read, or the complaint.

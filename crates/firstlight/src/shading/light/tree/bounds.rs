@@ -28,36 +28,6 @@ pub(crate) struct EmissionCone {
     pub two_sided: bool,
 }
 
-/// An angle by its cosine and sine, 0..π.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Angle {
-    pub cos: f32,
-    pub sin: f32,
-}
-
-impl Angle {
-    pub(super) fn of(radians: f32) -> Self {
-        let (sin, cos) = radians.sin_cos();
-        Self { cos, sin }
-    }
-
-    pub(super) fn from_cos(cos: f32) -> Self {
-        let cos = cos.clamp(-1.0, 1.0);
-        Self { cos, sin: (1.0 - cos * cos).max(0.0).sqrt() }
-    }
-
-    /// The difference, or 0 if `other` is larger.
-    pub(super) fn minus(self, other: Self) -> Self {
-        if self.cos > other.cos {
-            return Self { cos: 1.0, sin: 0.0 };
-        }
-        Self {
-            cos: self.cos * other.cos + self.sin * other.sin,
-            sin: self.sin * other.cos - self.cos * other.sin,
-        }
-    }
-}
-
 impl EmissionCone {
     /// Shines everywhere alike.
     pub(crate) const EVERYWHERE: Self =

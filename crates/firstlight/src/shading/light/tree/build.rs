@@ -1,43 +1,69 @@
 //! The tree, from the root down: at each node the split that promises the least.
 
-use super::{Content, LightBounds, LightTree, Node};
+use super::node::{CHILDREN, Child, Node};
+use super::{LightBounds, LightTree, Place};
 use crate::geometry::Bounds;
+use crate::simd::Level;
 use glam::Vec3;
 
 /// Parts of an axis between which a node may be split.
 const PARTS: usize = 12;
-/// Below this depth, nodes are split in halves, so that every way fits into a trail.
-const DEEP: u32 = 30;
+/// Below this depth, nodes are split in halves, so that the tree ends soon.
+const DEEP: u32 = 20;
+
+/// A light and its number.
+type Numbered = (u32, LightBounds);
 
 impl LightTree {
-    /// A tree over `lights`; those that give nothing are never picked.
-    pub(crate) fn build(lights: &[LightBounds]) -> Self {
+    /// A tree over `lights`, to be walked with the instructions of `level`; lights that give nothing are never picked.
+    pub(crate) fn build(lights: &[LightBounds], level: Level) -> Self {
         let mut numbered: Vec<_> = (0..).zip(lights.iter().copied()).collect();
-        let mut tree = Self { nodes: Vec::new(), trails: vec![0; lights.len()] };
+        let place_of = vec![Place::default(); lights.len()];
+        let mut tree = Self { nodes: Vec::new(), place_of, level };
         if !numbered.is_empty() {
-            tree.grow(&mut numbered, 0, 0);
+            tree.grow(&mut numbered, 0, None);
         }
         tree
     }
 
-    /// Appends the tree over `lights`, which stands at the end of `trail`.
-    fn grow(&mut self, lights: &mut [(u32, LightBounds)], depth: u32, trail: u64) {
-        if let [(number, light)] = lights {
-            self.trails[*number as usize] = trail;
-            self.nodes.push(Node::new(light, Content::Light(*number)));
-            return;
+    /// Appends the tree over `lights`, so many nodes below the root.
+    fn grow(&mut self, lights: &mut [Numbered], depth: u32, parent: Option<Place>) {
+        let mut groups = divide(lights, depth);
+        let bounds: Vec<_> = groups.iter().map(|group| around(group)).collect();
+        let node = self.nodes.len() as u32;
+        self.nodes.push(Node::new(&bounds, parent));
+        for (child, group) in (0..).zip(&mut groups) {
+            let place = Place { node, child };
+            self.nodes[node as usize].children[child as usize] = match group {
+                [(number, _)] => {
+                    self.place_of[*number as usize] = place;
+                    Child::Light(*number)
+                }
+                _ => Child::Node(self.nodes.len() as u32),
+            };
+            if group.len() > 1 {
+                self.grow(group, depth + 1, Some(place));
+            }
         }
-        let place = self.nodes.len();
-        self.nodes.push(Node::new(&around(lights), Content::Children(0)));
-        let middle = split(lights, depth);
-        let (first, second) = lights.split_at_mut(middle);
-        self.grow(first, depth + 1, trail);
-        self.nodes[place].content = Content::Children(self.nodes.len() as u32);
-        self.grow(second, depth + 1, trail | 1 << depth);
     }
 }
 
-fn around(lights: &[(u32, LightBounds)]) -> LightBounds {
+/// The lights in at most eight groups: those that cost most are split first.
+fn divide(lights: &mut [Numbered], depth: u32) -> Vec<&mut [Numbered]> {
+    let mut groups = vec![lights];
+    while groups.len() < CHILDREN {
+        let costs = groups.iter().map(|group| (group.len() > 1).then(|| cost(&around(group))));
+        let worst = costs.enumerate().filter_map(|(i, cost)| Some((i, cost?)));
+        let Some((worst, _)) = worst.max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
+        let group = groups.swap_remove(worst);
+        let middle = split(group, depth);
+        let (first, second) = group.split_at_mut(middle);
+        groups.extend([first, second]);
+    }
+    groups
+}
+
+fn around(lights: &[Numbered]) -> LightBounds {
     let all = lights.iter().map(|(_, light)| *light);
     all.reduce(LightBounds::union).unwrap_or_else(|| unreachable!("a node has lights"))
 }
@@ -47,7 +73,7 @@ fn middle(light: &LightBounds) -> Vec3 {
 }
 
 /// Orders the lights so that those before the returned place belong together, and those behind.
-fn split(lights: &mut [(u32, LightBounds)], depth: u32) -> usize {
+fn split(lights: &mut [Numbered], depth: u32) -> usize {
     let middles = Bounds::around(lights.iter().map(|(_, light)| middle(light)));
     let best = (0..3).filter_map(|axis| best_split(lights, middles, axis));
     let best = best.min_by(|a, b| a.cost.total_cmp(&b.cost)).filter(|_| depth < DEEP);
@@ -74,7 +100,7 @@ fn part_of(light: &LightBounds, middles: Bounds, axis: usize) -> usize {
 }
 
 /// The cheapest split along an axis; `None` if all lights lie in one plane across it.
-fn best_split(lights: &[(u32, LightBounds)], middles: Bounds, axis: usize) -> Option<Split> {
+fn best_split(lights: &[Numbered], middles: Bounds, axis: usize) -> Option<Split> {
     let extent = middles.hi - middles.lo;
     let mut parts: [Option<LightBounds>; PARTS] = [None; PARTS];
     for (_, light) in lights.iter().filter(|_| extent[axis] > 0.0) {

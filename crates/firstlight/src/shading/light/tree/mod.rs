@@ -1,151 +1,124 @@
 //! One light out of many, picked by how much it may give to a point.
 //!
-//! Conty Estevez & Kulla, *Importance Sampling of Many Lights with Adaptive Tree Splitting*, 2018: a binary tree over
-//! boxes, cones and intensities; at each node, chance goes to the child that may give more, in proportion. Where a child can
-//! give nothing at all, chance never goes, and all other lights can be reached from any point: nothing is left out.
+//! Conty Estevez & Kulla, *Importance Sampling of Many Lights with Adaptive Tree Splitting*, 2018: a tree over boxes, cones
+//! and intensities; at each node, chance goes to the child that may give more, in proportion. Eight children a node, so that
+//! few steps lead to a light and the processor looks at eight at a time. Where a child can give nothing at all, chance never
+//! goes, and all other lights can be reached from any point: nothing is left out.
 
 mod bounds;
 mod build;
+mod node;
 #[cfg(test)]
 mod tests;
 
 pub(crate) use bounds::{EmissionCone, LightBounds};
 
-use bounds::Angle;
+use crate::simd::{Kernel, Level, Simd};
 use glam::Vec3;
+use node::{CHILDREN, Child, Node};
 
 /// A tree over lights.
 #[derive(Debug, Clone)]
 pub(crate) struct LightTree {
+    /// The root comes first.
     nodes: Vec<Node>,
-    /// For each light, the way to its leaf: the lowest bit tells whether the second child comes first, and so on.
-    trails: Vec<u64>,
+    /// For each light, where it stands.
+    place_of: Vec<Place>,
+    /// The instructions that nodes are looked at with.
+    level: Level,
 }
 
-/// All lights below a place of the tree.
-#[derive(Debug, Clone, Copy)]
-struct Node {
-    /// Middle of the box, m.
-    center: Vec3,
-    /// Square of half its diagonal, m².
-    radius2: f32,
-    /// W·sr⁻¹
-    intensity: f32,
-    axis: Vec3,
-    spread: Angle,
-    /// Cosine from which on it is dark.
-    cos_falloff: f32,
-    two_sided: bool,
-    content: Content,
-}
-
-#[derive(Debug, Clone, Copy)]
-enum Content {
-    /// The first child follows its parent; this is the place of the second.
-    Children(u32),
-    /// One light.
-    Light(u32),
+/// A child of a node.
+#[derive(Debug, Clone, Copy, Default)]
+struct Place {
+    node: u32,
+    child: u32,
 }
 
 impl LightTree {
     /// A light, by its number, that may give something to a surface at `point` with the unit normal `normal`, and the
     /// probability of having been picked by `u` in 0..1; `None` if none does.
-    pub(crate) fn pick(&self, point: Vec3, normal: Vec3, mut u: f64) -> Option<(u32, f32)> {
-        let (mut place, mut probability) = (0, 1.0);
-        // A single light is picked only if it gives something, as in any larger tree.
-        if self.nodes.first()?.importance(point, normal) <= 0.0 {
-            return None;
-        }
-        loop {
-            let second = match self.nodes[place].content {
-                Content::Light(light) => return Some((light, probability)),
-                Content::Children(second) => second as usize,
-            };
-            let share = self.share_of_first(place + 1, second, point, normal)?;
-            if u < f64::from(share) {
-                place += 1;
-                probability *= share;
-                u /= f64::from(share);
-            } else {
-                place = second;
-                probability *= 1.0 - share;
-                u = (u - f64::from(share)) / f64::from(1.0 - share);
-            }
-            u = u.clamp(0.0, 1.0 - f64::EPSILON);
-        }
+    pub(crate) fn pick(&self, point: Vec3, normal: Vec3, u: f64) -> Option<(u32, f32)> {
+        self.level.run(Pick { tree: self, point, normal, u })
     }
 
     /// Probability with which [`LightTree::pick`] picks the light with this number.
     pub(crate) fn probability(&self, point: Vec3, normal: Vec3, light: u32) -> f32 {
-        let (mut place, mut probability) = (0, 1.0);
-        let mut trail = self.trails[light as usize];
-        if self.nodes[0].importance(point, normal) <= 0.0 {
-            return 0.0;
-        }
-        while let Content::Children(second) = self.nodes[place].content {
-            let second = second as usize;
-            let Some(share) = self.share_of_first(place + 1, second, point, normal) else {
-                return 0.0;
-            };
-            let goes_second = trail & 1 == 1;
-            trail >>= 1;
-            probability *= if goes_second { 1.0 - share } else { share };
-            place = if goes_second { second } else { place + 1 };
-        }
-        probability
-    }
-
-    /// Probability of the first of two children; `None` if neither gives anything.
-    fn share_of_first(
-        &self,
-        first: usize,
-        second: usize,
-        point: Vec3,
-        normal: Vec3,
-    ) -> Option<f32> {
-        let [a, b] = [first, second].map(|child| self.nodes[child].importance(point, normal));
-        let sum = a + b;
-        (sum > 0.0).then(|| if sum.is_finite() { a / sum } else { f32::from(a >= b) })
+        self.level.run(Probability { tree: self, point, normal, light })
     }
 }
 
-impl Node {
-    fn new(lights: &LightBounds, content: Content) -> Self {
-        let half = 0.5 * (lights.bounds.hi - lights.bounds.lo);
-        let cone = lights.cone;
-        Self {
-            center: lights.bounds.lo + half,
-            radius2: half.length_squared(),
-            intensity: lights.intensity,
-            axis: cone.axis,
-            spread: Angle::of(cone.spread),
-            cos_falloff: cone.falloff.cos(),
-            two_sided: cone.two_sided,
-            content,
-        }
-    }
+/// From the root down to a light.
+struct Pick<'a> {
+    tree: &'a LightTree,
+    point: Vec3,
+    normal: Vec3,
+    u: f64,
+}
 
-    /// How much its lights may give to a surface, at most: their intensity over the square of the distance, with the
-    /// largest cosines that are possible. 0 only if they give nothing.
-    fn importance(&self, point: Vec3, normal: Vec3) -> f32 {
-        let to_lights = self.center - point;
-        let distance2 = to_lights.length_squared();
-        if distance2 <= self.radius2 {
-            // Inside the ball around them, every cosine is possible.
-            return self.intensity / self.radius2.max(f32::MIN_POSITIVE);
+impl Kernel for Pick<'_> {
+    type Output = Option<(u32, f32)>;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> Self::Output {
+        let Self { tree, point, normal, mut u } = self;
+        let (mut node, mut probability) = (tree.nodes.first()?, 1.0);
+        loop {
+            let importances = node.importances(simd, point, normal);
+            let sum: f32 = importances.iter().sum();
+            let child = pick_in_proportion(&importances, sum, &mut u)?;
+            probability *= importances[child] / sum;
+            match node.children[child] {
+                Child::Light(light) => return Some((light, probability)),
+                Child::Node(place) => node = &tree.nodes[place as usize],
+            }
         }
-        let incoming = to_lights / distance2.sqrt();
-        let ball = Angle::from_cos((1.0 - self.radius2 / distance2).max(0.0).sqrt());
-        let at_surface = Angle::from_cos(normal.dot(incoming)).minus(ball);
-        let cos = -self.axis.dot(incoming);
-        let cos = if self.two_sided { cos.abs() } else { cos };
-        let at_light = Angle::from_cos(cos).minus(self.spread).minus(ball);
-        // Half a degree of slack, since what rounding hides would be lost for good.
-        const SLACK: f32 = 0.01;
-        if at_surface.cos <= -SLACK || at_light.cos <= self.cos_falloff - SLACK {
-            return 0.0;
-        }
-        self.intensity * at_light.cos.max(SLACK) * at_surface.cos.max(SLACK)
-            / distance2.max(self.radius2)
     }
+}
+
+/// From a light up to the root.
+struct Probability<'a> {
+    tree: &'a LightTree,
+    point: Vec3,
+    normal: Vec3,
+    light: u32,
+}
+
+impl Kernel for Probability<'_> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> f32 {
+        let Self { tree, point, normal, light } = self;
+        let (mut place, mut probability) = (Some(tree.place_of[light as usize]), 1.0);
+        while let Some(Place { node, child }) = place {
+            let node = &tree.nodes[node as usize];
+            let importances = node.importances(simd, point, normal);
+            let importance = importances[child as usize];
+            if importance == 0.0 {
+                return 0.0;
+            }
+            probability *= importance / importances.iter().sum::<f32>();
+            place = node.parent;
+        }
+        probability
+    }
+}
+
+/// The child that `u` in 0..1 falls on, which becomes the place within; `None` if all are 0.
+#[inline(always)]
+fn pick_in_proportion(importances: &[f32; CHILDREN], sum: f32, u: &mut f64) -> Option<usize> {
+    let (target, mut before, mut picked) = (*u * f64::from(sum), 0.0, None);
+    for (child, importance) in importances.iter().enumerate() {
+        let share = f64::from(*importance);
+        if share > 0.0 {
+            *u = ((target - before) / share).clamp(0.0, 1.0 - f64::EPSILON);
+            picked = Some(child);
+        }
+        before += share;
+        if target < before {
+            break;
+        }
+    }
+    picked
 }
