@@ -45,10 +45,9 @@ impl Scene {
         let round_lights: Vec<_> = all().filter_map(|l| round(l, &camera)).collect();
         let suns: Vec<_> = all().filter_map(sun).collect();
         let area_lights = area_lights(&world, &material_of, &description.materials);
-        let emission = |surface: u32| {
-            let material = &description.materials[material_of[surface as usize] as usize];
-            mean_emission(material, &description.images)
-        };
+        let mean = |material| mean_emission(material, &description.images);
+        let mean_of: Vec<_> = description.materials.iter().map(mean).collect();
+        let emission = |surface: u32| mean_of[material_of[surface as usize] as usize];
         let local_lights = LocalLights::new(&lights, &round_lights, &area_lights, level, emission);
         Self {
             is_lecture: description.is_lecture(),

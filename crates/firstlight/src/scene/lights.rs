@@ -59,6 +59,9 @@ fn triangles(part: &MeshPart) -> Vec<Option<LightShape>> {
 
 /// Radiance that a material emits on average over its picture, and over the channels, W·sr⁻¹·m⁻².
 pub(super) fn mean_emission(material: &Material, images: &[Arc<Pixels>]) -> f32 {
+    if !emits(material) {
+        return 0.0;
+    }
     let Texture { factor, pattern, .. } = &material.emission;
     let pattern = match pattern {
         Pattern::Constant => Vec4::ONE,

@@ -150,3 +150,57 @@ fn from_xyz(xyz: DVec3) -> DVec3 {
         DVec3::new(-0.498_531_4, 0.041_556_0, 1.057_225_2),
     ) * xyz
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lux(channels: DVec3) -> f64 {
+        channels.dot(DVec3::new(0.2126, 0.7152, 0.0722))
+    }
+
+    fn sun(elevation: f64) -> DVec3 {
+        let (sin, cos) = elevation.to_radians().sin_cos();
+        DVec3::new(0.0, cos, sin)
+    }
+
+    /// The sun gives some 100 klx at its highest through clear air, and less and redder light the lower it stands.
+    #[test]
+    fn the_sun_is_as_bright_as_it_is() {
+        let high = lux(sunlight(2.0, 1.0));
+        assert!((0.9e5..1.2e5).contains(&high), "{high}");
+        let mut before = f64::INFINITY;
+        let mut redness = 0.0;
+        for degrees in [90.0_f64, 60.0, 30.0, 10.0, 5.0, 1.0] {
+            let light = sunlight(2.0, degrees.to_radians().sin());
+            assert!(lux(light) < before && light.x / light.z > redness, "{degrees}: {light}");
+            (before, redness) = (lux(light), light.x / light.z);
+        }
+        assert!(lux(sunlight(6.0, 0.5)) < 0.8 * lux(sunlight(2.0, 0.5)));
+        // Without air: the black body's 133 klx, whose true value is 128.
+        let steps = (0..80).map(|i| 380.0 + 5.0 * (f64::from(i) + 0.5));
+        let outside: f64 = steps.map(|nm| 683.0 * 5.0 * outside(nm) * color_matching(nm).y).sum();
+        assert!((1.25e5..1.4e5).contains(&outside), "{outside}");
+    }
+
+    /// At the zenith the formula is the fit itself; towards the sun the sky is brighter, away from it bluer.
+    #[test]
+    fn the_sky_is_blue_and_bright_around_the_sun() {
+        for turbidity in [2.0, 4.0, 6.0] {
+            let sky = PreethamSky::new(turbidity, sun(40.0));
+            let theta = 50_f64.to_radians();
+            let [luminance, x, y] = zenith(turbidity, theta);
+            let xyz = DVec3::new(x, y, 1.0 - x - y) * (luminance / y);
+            assert!(sky.luminance(DVec3::Z).abs_diff_eq(from_xyz(xyz).max(DVec3::ZERO), 1e-6));
+            // (4.0453 T − 4.9710) tan χ − 0.2155 T + 2.4192 kcd/m², written out for T = 2.
+            let chi = (4.0 / 9.0 - 2.0 / 120.0) * (PI - 2.0 * theta);
+            let written_out = 3119.6 * chi.tan() + 1988.2;
+            assert!(turbidity != 2.0 || (luminance / written_out - 1.0).abs() < 1e-9);
+            let zenith = sky.luminance(DVec3::Z);
+            let near = sky.luminance(sun(45.0));
+            let opposite = sky.luminance(DVec3::new(0.0, -0.6, 0.8));
+            assert!(lux(near) > 2.0 * lux(zenith), "{near} {zenith}");
+            assert!(opposite.z / opposite.x > near.z / near.x && zenith.z > zenith.x);
+        }
+    }
+}

@@ -50,17 +50,18 @@ impl LightTree {
 
 /// The lights in at most eight groups: those that cost most are split first.
 fn divide(lights: &mut [Numbered], depth: u32) -> Vec<&mut [Numbered]> {
-    let mut groups = vec![lights];
+    // One light cannot be split.
+    let cost = |group: &[Numbered]| if group.len() > 1 { cost(&around(group)) } else { -1.0 };
+    let mut groups = vec![(cost(lights), lights)];
     while groups.len() < CHILDREN {
-        let costs = groups.iter().map(|group| (group.len() > 1).then(|| cost(&around(group))));
-        let worst = costs.enumerate().filter_map(|(i, cost)| Some((i, cost?)));
-        let Some((worst, _)) = worst.max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
-        let group = groups.swap_remove(worst);
+        let worst = groups.iter().enumerate().max_by(|(_, a), (_, b)| a.0.total_cmp(&b.0));
+        let Some((worst, _)) = worst.filter(|(_, (_, group))| group.len() > 1) else { break };
+        let (_, group) = groups.swap_remove(worst);
         let middle = split(group, depth);
         let (first, second) = group.split_at_mut(middle);
-        groups.extend([first, second]);
+        groups.extend([(cost(first), first), (cost(second), second)]);
     }
-    groups
+    groups.into_iter().map(|(_, group)| group).collect()
 }
 
 fn around(lights: &[Numbered]) -> LightBounds {
