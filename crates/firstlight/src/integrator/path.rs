@@ -459,7 +459,7 @@ impl Vertex {
         let sample = light.sample(self.start.as_dvec3(), u.as_dvec2())?;
         let (reflected, pdf) = self.reflected(sample.incoming.as_vec3())?;
         let radiance = scene.emitted_by(light, &sample) / (chance * sample.pdf as f32 + pdf);
-        let ray = Some(sample.shadow_ray(self.start, 0.0));
+        let ray = Some(sample.shadow_ray(self.start, 0.0, light.error));
         Some(Answer { ray, radiance: reflected * radiance })
     }
 
