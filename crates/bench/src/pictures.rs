@@ -56,7 +56,7 @@ fn scene() -> SceneDescription {
     for (x, watts) in [(-4.0, 900.0), (5.0, 500.0)] {
         let intensity = Vec3::splat(watts / (4.0 * PI));
         let light = Light::Point { position: DVec3::new(x, 5.0, 4.0), intensity };
-        scene.lights.push(LightDescription { name: "light".into(), light, shadows: true });
+        scene.lights.push(LightDescription::new("light", light));
     }
     Studio { up: DVec3::Y, ..Studio::default() }.dress(&mut scene);
     scene.film.samples = 4;

@@ -64,15 +64,19 @@ fn instances(scene: &SceneDescription) -> usize {
     uses.into_iter().map(|count| count.saturating_sub(1)).sum()
 }
 
-/// The kind of a light, what its quantity is, and how much it gives.
+/// The kind of a light, what its quantity is, and how much it gives in its brightest direction.
 fn quantity(light: &Light) -> (&'static str, Dimension, Rgb) {
     use CameraLightAmount::{Intensity, Irradiance};
     match light {
         Light::Point { intensity, .. } => ("point", Dimension::Intensity, *intensity),
         Light::Spot { intensity, .. } => ("spot", Dimension::Intensity, *intensity),
-        Light::Directional { irradiance, .. } | Light::Sun { irradiance, .. } => {
+        Light::Photometric { web, factor, .. } => {
+            ("photometric", Dimension::Intensity, *factor * web.brightest())
+        }
+        Light::Directional { irradiance, .. } => {
             ("directional", Dimension::Irradiance, *irradiance)
         }
+        Light::Sun { irradiance, .. } => ("sun", Dimension::Irradiance, *irradiance),
         Light::Ambient { radiance } => ("ambient", Dimension::Radiance, *radiance),
         Light::Camera { amount: Intensity(value) } => ("camera", Dimension::Intensity, *value),
         Light::Camera { amount: Irradiance(value) } => ("camera", Dimension::Irradiance, *value),
@@ -122,6 +126,8 @@ fn as_json(scene: &SceneDescription) -> Value {
             "transparent": film.transparent,
         },
         "background": scene.background.to_array(),
+        "environment": scene.environment.as_ref().map(environment_text),
+        "integrator": integrator_text(scene.integrator),
         "luminous_efficacy": scene.luminous_efficacy.0,
         "warnings": null,
     })
@@ -138,6 +144,7 @@ fn light_json(described: &LightDescription, scene: &SceneDescription) -> Value {
         "photometric": units::photometric(value, scene.luminous_efficacy.0),
         "photometric_unit": units::unit(dimension, Measure::Photometric),
         "shadows": described.shadows,
+        "radius_m": described.radius,
     })
 }
 
@@ -217,6 +224,8 @@ fn as_text(name: &str, scene: &SceneDescription) -> String {
     table.row("triangles", count(triangles(scene)));
     table.row("instances", count(instances(scene)));
     table.list("lights", &scene.lights, |light| light_row(light, scene));
+    table.row("environment", scene.environment.as_ref().map_or("none".into(), environment_text));
+    table.row("integrator", integrator_text(scene.integrator));
     table.list("materials", &scene.materials, |material| {
         [printable(&material.name), material_text(material)]
     });
@@ -247,8 +256,44 @@ fn light_row(described: &LightDescription, scene: &SceneDescription) -> [String;
     let seen = units::photometric(value, scene.luminous_efficacy.0);
     let seen = units::format(seen, units::unit(dimension, Measure::Photometric));
     let shadows = if described.shadows { "" } else { ", no shadows" };
+    let radius = match described.radius {
+        0.0 => String::new(),
+        radius => format!(", radius {}", units::format(radius, "m")),
+    };
     let name = name_of(dimension);
-    [printable(&described.name), format!("{kind}, {name} {energy} = {seen}{shadows}")]
+    [printable(&described.name), format!("{kind}, {name} {energy} = {seen}{radius}{shadows}")]
+}
+
+fn environment_text(environment: &EnvironmentDescription) -> String {
+    match &environment.sky {
+        Sky::Uniform => "uniform".into(),
+        Sky::Gradient { .. } => "a gradient".into(),
+        Sky::Picture { pixels, .. } => {
+            format!("{}, {} × {}", printable(&pixels.name), pixels.width, pixels.height)
+        }
+        Sky::Cie { number, sun, .. } => format!("CIE sky {number}, {}", sun_text(*sun)),
+        Sky::Clear { turbidity, sun, .. } => {
+            format!("clear sky of turbidity {turbidity}, {}", sun_text(*sun))
+        }
+    }
+}
+
+/// Where a sun stands in the sky's own space (x east, y north, z up).
+fn sun_text(sun: DVec3) -> String {
+    let azimuth = sun.x.atan2(sun.y).to_degrees().rem_euclid(360.0);
+    format!("sun {:.1}° high, {azimuth:.1}° from north", sun.z.asin().to_degrees())
+}
+
+fn integrator_text(integrator: Integrator) -> String {
+    match integrator {
+        Integrator::Direct => "direct".into(),
+        Integrator::Path { bounces: None } => "path".into(),
+        Integrator::Path { bounces: Some(bounces) } => format!("path, at most {bounces} bounces"),
+        Integrator::AmbientOcclusion { distance } if distance.is_finite() => {
+            format!("ambient occlusion within {}", units::format(distance, "m"))
+        }
+        Integrator::AmbientOcclusion { .. } => "ambient occlusion".into(),
+    }
 }
 
 fn material_text(material: &Material) -> String {

@@ -103,7 +103,7 @@ pub(crate) fn dress(scene: &mut SceneDescription, args: &RenderArgs) -> Result<(
         }
         scene.cameras.clear();
     }
-    let own_lights = !scene.lights.is_empty();
+    let own_lights = !scene.lights.is_empty() || scene.environment.is_some();
     let (transparent, efficacy) = (scene.film.transparent, scene.luminous_efficacy.0);
     let studio = args.studio.studio(own_lights, transparent, efficacy);
     if own_lights {

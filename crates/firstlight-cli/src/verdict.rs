@@ -5,7 +5,7 @@ use firstlight::SceneDescription;
 use firstlight::color::srgb_code8;
 use firstlight::diagnostic::Diagnostic;
 use firstlight::io::{Develop, Format};
-use firstlight::scene::description::FilmDescription;
+use firstlight::scene::description::{FilmDescription, Integrator};
 
 /// The part of a picture that may be cut off at white without a word.
 const CLIPPED: f64 = 0.05;
@@ -37,6 +37,7 @@ pub(crate) fn unlit(scene: &SceneDescription) -> Option<Diagnostic> {
     };
     let dark = scene.lights.is_empty()
         && scene.environment.is_none()
+        && !matches!(scene.integrator, Integrator::AmbientOcclusion { .. })
         && !scene.surfaces.iter().any(|s| emits(s.material));
     (dark && !scene.surfaces.is_empty()).then(|| {
         Diagnostic::new("", "there are no lights, and nothing emits light: all surfaces are black")

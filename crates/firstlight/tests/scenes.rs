@@ -65,7 +65,7 @@ fn a_chosen_camera_stands_upright() {
         let bright = |row: std::ops::Range<u32>| {
             let rays = row.flat_map(|iy| (0..64).map(move |ix| (ix, iy)));
             rays.filter(|&(ix, iy)| {
-                scene.trace(&scene.camera().get_ray(ix, iy), 0.0, f32::INFINITY).x > 0.0
+                scene.trace(&scene.camera().get_ray(ix, iy), 0.0, f32::INFINITY).x >= 1.0
             })
             .count()
         };

@@ -1,11 +1,37 @@
 //! The scene's way of gathering light, whichever it is.
 
-use super::{RayCounts, direct, path};
+use super::RayCounts;
+use super::direct::{self, Direct};
+use super::path::{self, Occlusion, Path};
 use crate::film::Sample;
 use crate::geometry::Ray;
 use crate::sampler::PathPoints;
 use crate::scene::Scene;
 use crate::scene::description::Integrator;
+
+/// How light is gathered in a scene.
+pub(crate) enum Way<'a> {
+    /// The lecture's sum, where nothing is left to chance.
+    Sum(Direct<'a>),
+    /// Paths; of one reflection for the lecture's sum over lights that have an extent.
+    Paths(Path<'a>),
+    /// What the sky would give.
+    Occlusion(Occlusion<'a>),
+}
+
+impl<'a> Way<'a> {
+    /// The way of `scene`. With `transparent`, what lies behind all surfaces counts as nothing.
+    pub(crate) fn of(scene: &'a Scene, transparent: bool) -> Self {
+        match scene.integrator {
+            Integrator::Direct if scene.is_lecture => Self::Sum(Direct::new(scene, transparent)),
+            Integrator::Direct => Self::Paths(Path::new(scene, transparent, Some(1))),
+            Integrator::Path { bounces } => Self::Paths(Path::new(scene, transparent, bounces)),
+            Integrator::AmbientOcclusion { distance } => {
+                Self::Occlusion(Occlusion::new(scene, transparent, distance))
+            }
+        }
+    }
+}
 
 /// What one worker needs to gather light; its buffers are reused from batch to batch.
 #[derive(Default)]
@@ -25,17 +51,15 @@ impl Gatherer {
         rays: &[Ray],
         points: &[PathPoints],
     ) -> &[Sample] {
-        match scene.integrator {
-            Integrator::Direct => {
-                direct::Direct::new(scene, transparent).gather(rays, &mut self.direct);
-                &self.direct.samples
+        match Way::of(scene, transparent) {
+            Way::Sum(direct) => {
+                direct.gather(rays, &mut self.direct);
+                return &self.direct.samples;
             }
-            Integrator::Path { bounces } => {
-                let path = path::Path::new(scene, transparent, bounces);
-                path.gather(rays, points, &mut self.path);
-                &self.path.samples
-            }
+            Way::Paths(path) => path.gather(rays, points, &mut self.path),
+            Way::Occlusion(occlusion) => occlusion.gather(rays, points, &mut self.path),
         }
+        &self.path.samples
     }
 
     /// Rays traced since this was last asked.
@@ -48,9 +72,9 @@ impl Gatherer {
     /// Of the last batch in `scene`: how many rays met a surface, and the largest radiance of any channel that one sent
     /// back.
     pub(crate) fn seen(&self, scene: &Scene) -> (u64, f32) {
-        match scene.integrator {
-            Integrator::Direct => self.direct.seen(),
-            Integrator::Path { .. } => self.path.seen(),
+        match Way::of(scene, false) {
+            Way::Sum(_) => self.direct.seen(),
+            Way::Paths(_) | Way::Occlusion(_) => self.path.seen(),
         }
     }
 }

@@ -1,14 +1,15 @@
 //! The light meter: single quantities with their error, through the stages of a render.
 
 use super::direct::{self, Direct};
-use super::path::{self, Path};
+use super::gatherer::Way;
+use super::path;
 use crate::color::Rgb;
 use crate::film::Sample;
 use crate::geometry::Ray;
 use crate::math::hash;
 use crate::sampler::{PathPoints, Sampler};
 use crate::scene::Scene;
-use crate::scene::description::{Alpha, Integrator};
+use crate::scene::description::Alpha;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -65,39 +66,45 @@ impl<'a> Meter<'a> {
     /// See [`Scene::irradiance`].
     pub fn irradiance(&self, point: DVec3, normal: DVec3) -> Measurement {
         let normal = normal.as_vec3();
-        match self.scene.integrator {
-            Integrator::Direct => {
+        match Way::of(self.scene, false) {
+            Way::Sum(_) => {
                 let mut scratch = direct::Scratch::default();
                 self.repeat(|repetition| {
-                    let direct = Direct::new(self.scene, false).repeated(repetition);
-                    direct.irradiance(point, normal, &mut scratch)
+                    self.sum(repetition).irradiance(point, normal, &mut scratch)
                 })
             }
-            Integrator::Path { bounces } => {
-                let path = Path::new(self.scene, false, bounces);
+            Way::Paths(path) => {
                 self.follow(|points, scratch| path.irradiance(point, normal, points, scratch))
+            }
+            Way::Occlusion(occlusion) => {
+                self.follow(|points, scratch| occlusion.irradiance(point, normal, points, scratch))
             }
         }
     }
 
     /// See [`Scene::radiance`].
     pub fn radiance(&self, ray: &Ray) -> Measurement {
-        match self.scene.integrator {
-            Integrator::Direct => {
+        let rays = |points: &[PathPoints]| vec![*ray; points.len()];
+        match Way::of(self.scene, false) {
+            Way::Sum(_) => {
                 let mut scratch = direct::Scratch::default();
                 self.repeat(|repetition| {
-                    let direct = Direct::new(self.scene, false).repeated(repetition);
-                    direct.gather(&[*ray], &mut scratch);
+                    self.sum(repetition).gather(&[*ray], &mut scratch);
                     scratch.samples[0].radiance
                 })
             }
-            Integrator::Path { bounces } => {
-                let path = Path::new(self.scene, false, bounces);
-                self.follow(|points, scratch| {
-                    path.gather(&vec![*ray; points.len()], points, scratch)
-                })
+            Way::Paths(path) => {
+                self.follow(|points, scratch| path.gather(&rays(points), points, scratch))
+            }
+            Way::Occlusion(occlusion) => {
+                self.follow(|points, scratch| occlusion.gather(&rays(points), points, scratch))
             }
         }
+    }
+
+    /// The lecture's sum with decisions of chance of its own.
+    fn sum(&self, repetition: u32) -> Direct<'a> {
+        Direct::new(self.scene, false).repeated(repetition)
     }
 
     /// One sample if nothing in the scene is left to chance, else many.

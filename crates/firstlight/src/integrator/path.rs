@@ -5,25 +5,34 @@
 //! balance heuristic; Veach 1997 §9.2), so that nothing is counted twice. Batches of paths go through the stages
 //! together, bounce by bounce; what one path gathers depends on no other.
 
+mod occlusion;
+
+pub(crate) use occlusion::Occlusion;
+
 use super::RayCounts;
 use super::dimensions::Bounce;
 use crate::color::Rgb;
 use crate::film::Sample;
 use crate::geometry::{Hit, Ray};
 use crate::sampler::PathPoints;
-use crate::scene::{Scene, SeenByCamera, StopsLight};
+use crate::scene::{LocalLight, LocalLights, Scene, SeenByCamera, StopsLight};
 use crate::shading::bsdf::Bsdf;
 use crate::shading::interaction::{SurfaceInteraction, clearance};
-use crate::shading::light::Light;
+use crate::shading::light::LightSample;
 use crate::shading::light::area::AreaLight;
 use crate::shading::light::environment::EnvironmentSample;
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use std::f32::consts::PI;
 
+/// Up to so many lights are all asked at the surface that is seen, as in the lecture, and after that.
+const ASKED: [u32; 2] = [32, 1];
 /// Up to this reflection, paths end only where nothing is left of them.
 const SAFE_BOUNCES: u32 = 4;
 /// From this reflection on, even paths that lose nothing end sometimes, so that light between perfect mirrors does.
 const MANY_BOUNCES: u32 = 1000;
+
+/// Of the two numbers that pick a light, the second has the digits behind the first's.
+const PAIR_STEP: f64 = 1.0 / (1 << 24) as f64;
 
 /// Follows paths.
 pub(crate) struct Path<'a> {
@@ -61,6 +70,8 @@ struct Walk {
     throughput: Rgb,
     /// Density with which the last direction was picked, sr⁻¹; infinite if there was no other.
     pdf: f32,
+    /// Shading normal of the surface that the last ray left.
+    normal: Vec3,
     /// Whether only mirrors lie between the eye and the last ray.
     mirrors_only: bool,
 }
@@ -75,6 +86,13 @@ struct Vertex {
     shading_normal: Vec3,
     outgoing: Vec3,
     bsdf: Bsdf,
+}
+
+/// What a light gives to a vertex, reflected towards the eye.
+struct Answer {
+    /// The ray that anything in the way would stop; `None` if nothing can.
+    ray: Option<Ray>,
+    radiance: Rgb,
 }
 
 /// Light that reaches the eye if nothing is in the way.
@@ -92,14 +110,20 @@ impl<'a> Path<'a> {
     /// Radiance along each of `rays`, one sample each by its `points`, into `scratch.samples`.
     #[inline(always)]
     pub(crate) fn gather(&self, rays: &[Ray], points: &[PathPoints], scratch: &mut Scratch) {
+        self.look(rays, scratch);
+        self.arrive(0, scratch);
+        self.follow(points, scratch);
+    }
+
+    /// Traces the camera rays.
+    #[inline(always)]
+    fn look(&self, rays: &[Ray], scratch: &mut Scratch) {
         scratch.begin(rays.len());
         scratch.counts.camera += rays.len() as u64;
         scratch.rays.extend_from_slice(rays);
         scratch.walks.extend((0..rays.len() as u32).map(Walk::from_eye));
         let filter = SeenByCamera(self.scene, 0);
         self.scene.world.closest_hits(&scratch.rays, &filter, &mut scratch.hits);
-        self.arrive(0, scratch);
-        self.follow(points, scratch);
     }
 
     /// Irradiance at `position` on a surface that faces the unit vector `normal`, W·m⁻², one sample for each of
@@ -111,12 +135,18 @@ impl<'a> Path<'a> {
         points: &[PathPoints],
         scratch: &mut Scratch,
     ) {
+        self.stand(position, normal, points.len(), scratch);
+        scratch.samples.iter_mut().for_each(|sample| sample.radiance = PI * self.scene.ambient);
+        self.follow(points, scratch);
+    }
+
+    /// Begins `count` paths at `position` on a surface that faces `normal` and reflects π times the light.
+    fn stand(&self, position: DVec3, normal: Vec3, count: usize, scratch: &mut Scratch) {
         let position = position.as_vec3();
         let start = position + clearance(normal, position.abs(), 0.0) * normal;
         let bsdf = Bsdf::Lambert { reflectance: Rgb::splat(PI) };
-        scratch.begin(points.len());
-        scratch.samples.iter_mut().for_each(|sample| sample.radiance = PI * self.scene.ambient);
-        scratch.vertices.extend((0..points.len() as u32).map(|sample| Vertex {
+        scratch.begin(count);
+        scratch.vertices.extend((0..count as u32).map(|sample| Vertex {
             walk: Walk { mirrors_only: false, ..Walk::from_eye(sample) },
             position,
             start,
@@ -124,7 +154,6 @@ impl<'a> Path<'a> {
             outgoing: normal,
             bsdf,
         }));
-        self.follow(points, scratch);
     }
 
     /// Goes on from the vertices of the first bounce until all paths have ended.
@@ -134,9 +163,8 @@ impl<'a> Path<'a> {
             if scratch.vertices.is_empty() {
                 break;
             }
-            let pairs = Bounce::new(bounce);
-            self.add_lights(pairs, points, scratch);
-            scatter(bounce, pairs, points, scratch);
+            self.add_lights(bounce, points, scratch);
+            scatter(bounce, points, scratch);
             scratch.counts.bounce += scratch.rays.len() as u64;
             let filter = StopsLight(self.scene, 0);
             self.scene.world.closest_hits(&scratch.rays, &filter, &mut scratch.hits);
@@ -166,8 +194,11 @@ impl<'a> Path<'a> {
             let material = self.scene.material(hit);
             let emitted = self.scene.emitted(material, &surface);
             if emitted != Rgb::ZERO {
-                let weight = self.weight_of_emission(walk, ray, &surface);
+                let weight = self.weight_of_emission(bounce, walk, ray, &surface);
                 sample.radiance += walk.throughput * emitted * weight;
+            }
+            if bounce == self.bounces {
+                continue;
             }
             if self.scene.ambient != Rgb::ZERO {
                 let reflected = self.scene.ambient_reflectance(material, &surface);
@@ -177,14 +208,7 @@ impl<'a> Path<'a> {
             if bsdf.is_black() {
                 continue;
             }
-            vertices.push(Vertex {
-                walk: *walk,
-                position: surface.position,
-                start: surface.ray_origin(),
-                shading_normal: surface.shading_normal,
-                outgoing: -ray.direction,
-                bsdf,
-            });
+            vertices.push(Vertex::new(*walk, ray, &surface, bsdf));
         }
     }
 
@@ -209,61 +233,112 @@ impl<'a> Path<'a> {
 
     /// The part of what a surface emits that lights were not asked for.
     #[inline(always)]
-    fn weight_of_emission(&self, walk: &Walk, ray: &Ray, surface: &SurfaceInteraction) -> f32 {
+    fn weight_of_emission(
+        &self,
+        bounce: u32,
+        walk: &Walk,
+        ray: &Ray,
+        surface: &SurfaceInteraction,
+    ) -> f32 {
         let Hit { surface: index, primitive, .. } = surface.hit;
         let found = self.scene.area_lights.find(index, primitive);
-        let Some(light) = found.filter(|_| walk.pdf.is_finite()) else { return 1.0 };
+        let Some(number) = found.filter(|_| walk.pdf.is_finite()) else { return 1.0 };
+        let light = self.scene.area_lights.get(number);
         let pdf = light.shape.pdf(ray.origin.as_dvec3(), surface.position.as_dvec3());
-        balance(walk.pdf, pdf as f32)
+        let chance = match self.asks_all(bounce - 1) {
+            true => 1.0,
+            false => self.scene.local_lights.probability(ray.origin, walk.normal, number),
+        };
+        balance(walk.pdf, chance * pdf as f32)
+    }
+
+    /// Whether all local lights are asked at this reflection, or one of them.
+    fn asks_all(&self, bounce: u32) -> bool {
+        self.scene.local_lights.len() <= ASKED[usize::from(bounce > 0)]
     }
 
     /// The lecture's loop over lights, for all vertices.
     #[inline(always)]
-    fn add_lights(&self, pairs: Bounce, points: &[PathPoints], scratch: &mut Scratch) {
-        for light in &self.scene.lights {
-            self.ask(light.shadows, scratch, |vertex| vertex.light_from(light));
-        }
-        for (number, light) in self.scene.area_lights.iter().enumerate() {
-            let pair = pairs.light(number as u32);
-            self.ask(true, scratch, |vertex| {
-                let u = points[vertex.walk.sample as usize].pair(pair);
-                vertex.light_from_area(self.scene, light, u.as_dvec2())
+    fn add_lights(&self, bounce: u32, points: &[PathPoints], scratch: &mut Scratch) {
+        let pairs = Bounce::new(bounce);
+        let pair = |vertex: &Vertex, pair: u32| points[vertex.walk.sample as usize].pair(pair);
+        let asks_all = self.asks_all(bounce);
+        let LocalLights { points: near, elsewhere, .. } = &self.scene.local_lights;
+        let near = if asks_all { near.as_slice() } else { &[] };
+        for &place in elsewhere.iter().chain(near) {
+            let light = &self.scene.lights[place as usize];
+            self.ask(scratch, |vertex| {
+                vertex.light_from(light.sample(vertex.position.as_dvec3())?, light.shadows, 1.0)
             });
         }
-        for (number, sun) in self.scene.suns.iter().enumerate() {
-            let pair = pairs.sun(number as u32);
-            self.ask(true, scratch, |vertex| {
-                vertex.light_from_afar(sun.sample(points[vertex.walk.sample as usize].pair(pair)))
+        if asks_all {
+            for (number, light) in (0..).zip(&self.scene.round_lights) {
+                let place = pairs.light(number);
+                self.ask(scratch, |vertex| {
+                    let u = pair(vertex, place).as_dvec2();
+                    vertex.light_from(light.sample(vertex.position.as_dvec3(), u)?, true, 1.0)
+                });
+            }
+            for (number, light) in (0..).zip(self.scene.area_lights.iter()) {
+                let place = pairs.light(self.scene.round_lights.len() as u32 + number);
+                self.ask(scratch, |vertex| {
+                    vertex.light_from_area(self.scene, light, 1.0, pair(vertex, place))
+                });
+            }
+        } else {
+            self.ask(scratch, |vertex| {
+                let u = pair(vertex, pairs.pick()).as_dvec2();
+                self.light_from_any(vertex, u.x + u.y * PAIR_STEP, pair(vertex, pairs.light(0)))
+            });
+        }
+        for (number, sun) in (0..).zip(&self.scene.suns) {
+            self.ask(scratch, |vertex| {
+                vertex.light_from_afar(sun.sample(pair(vertex, pairs.sun(number))))
             });
         }
         if let Some((environment, _)) = &self.scene.environment {
-            self.ask(true, scratch, |vertex| {
-                let u = points[vertex.walk.sample as usize].pair(pairs.environment());
-                vertex.light_from_afar(environment.sample(u)?)
+            self.ask(scratch, |vertex| {
+                vertex.light_from_afar(environment.sample(pair(vertex, pairs.environment()))?)
             });
         }
     }
 
-    /// Asks one light at every vertex: a ray towards it, and what it adds if nothing is in the way.
+    /// From one local light, picked by `pick` in 0..1, which stands for all.
     #[inline(always)]
-    fn ask(
-        &self,
-        shadows: bool,
-        scratch: &mut Scratch,
-        light: impl Fn(&Vertex) -> Option<(Ray, Rgb)>,
-    ) {
+    fn light_from_any(&self, vertex: &Vertex, pick: f64, u: Vec2) -> Option<Answer> {
+        let Self { scene, .. } = self;
+        match scene.local_lights.pick(vertex.start, vertex.shading_normal, pick)? {
+            (LocalLight::Point(place), chance) => {
+                let light = &scene.lights[place as usize];
+                vertex.light_from(light.sample(vertex.position.as_dvec3())?, light.shadows, chance)
+            }
+            (LocalLight::Round(place), chance) => {
+                let light = &scene.round_lights[place as usize];
+                let sample = light.sample(vertex.position.as_dvec3(), u.as_dvec2())?;
+                vertex.light_from(sample, true, chance)
+            }
+            (LocalLight::Area(number), chance) => {
+                vertex.light_from_area(scene, scene.area_lights.get(number), chance, u)
+            }
+        }
+    }
+
+    /// Asks a light at every vertex, and adds what it gives where nothing is in the way.
+    #[inline(always)]
+    fn ask(&self, scratch: &mut Scratch, light: impl Fn(&Vertex) -> Option<Answer>) {
         let Scratch { vertices, shadow_rays, awaited, occluded, samples, counts, .. } = scratch;
         shadow_rays.clear();
         awaited.clear();
         for vertex in vertices.iter() {
-            let Some((ray, radiance)) = light(vertex) else { continue };
+            let Some(Answer { ray, radiance }) = light(vertex) else { continue };
             let sample = vertex.walk.sample;
             let radiance = vertex.walk.throughput * radiance;
-            if shadows {
-                shadow_rays.push(ray);
-                awaited.push(Awaited { sample, radiance });
-            } else {
-                samples[sample as usize].radiance += radiance;
+            match ray {
+                Some(ray) => {
+                    shadow_rays.push(ray);
+                    awaited.push(Awaited { sample, radiance });
+                }
+                None => samples[sample as usize].radiance += radiance,
             }
         }
         counts.shadow += shadow_rays.len() as u64;
@@ -276,7 +351,8 @@ impl<'a> Path<'a> {
 
 /// Sends each path on in a direction that its BSDF picks, or ends it.
 #[inline(always)]
-fn scatter(bounce: u32, pairs: Bounce, points: &[PathPoints], scratch: &mut Scratch) {
+fn scatter(bounce: u32, points: &[PathPoints], scratch: &mut Scratch) {
+    let pairs = Bounce::new(bounce);
     let Scratch { vertices, rays, walks, .. } = scratch;
     rays.clear();
     walks.clear();
@@ -292,7 +368,8 @@ fn scatter(bounce: u32, pairs: Bounce, points: &[PathPoints], scratch: &mut Scra
         }
         rays.push(Ray::new(*start, sample.incoming));
         let throughput = throughput / survival;
-        walks.push(Walk { throughput, pdf: sample.pdf, mirrors_only, ..*walk });
+        let (pdf, normal) = (sample.pdf, *shading_normal);
+        walks.push(Walk { sample: walk.sample, throughput, pdf, normal, mirrors_only });
     }
 }
 
@@ -336,11 +413,25 @@ impl Scratch {
 
 impl Walk {
     fn from_eye(sample: u32) -> Self {
-        Self { sample, throughput: Rgb::ONE, pdf: f32::INFINITY, mirrors_only: true }
+        let (throughput, pdf) = (Rgb::ONE, f32::INFINITY);
+        Self { sample, throughput, pdf, normal: Vec3::ZERO, mirrors_only: true }
     }
 }
 
 impl Vertex {
+    /// Where `ray` met `surface`.
+    #[inline(always)]
+    fn new(walk: Walk, ray: &Ray, surface: &SurfaceInteraction, bsdf: Bsdf) -> Self {
+        Self {
+            walk,
+            position: surface.position,
+            start: surface.ray_origin(),
+            shading_normal: surface.shading_normal,
+            outgoing: -ray.direction,
+            bsdf,
+        }
+    }
+
     /// BSDF × cosine for light from `incoming`, with the density of that direction; `None` if it reflects nothing.
     #[inline(always)]
     fn reflected(&self, incoming: Vec3) -> Option<(Rgb, f32)> {
@@ -348,28 +439,36 @@ impl Vertex {
         (cos > 0.0 && value != Rgb::ZERO).then(|| (value * cos, self.bsdf.pdf(cos)))
     }
 
-    /// From a light without extent.
+    /// From a light that no ray can meet and that had this chance of being asked.
     #[inline(always)]
-    fn light_from(&self, light: &Light) -> Option<(Ray, Rgb)> {
-        let sample = light.sample(self.position.as_dvec3())?;
+    fn light_from(&self, sample: LightSample, shadows: bool, chance: f32) -> Option<Answer> {
         let (reflected, _) = self.reflected(sample.incoming)?;
-        Some((sample.ray_from(self.position, self.start, 0.0), reflected * sample.irradiance))
+        let ray = shadows.then(|| sample.ray_from(self.position, self.start, 0.0));
+        Some(Answer { ray, radiance: reflected * sample.irradiance / chance })
     }
 
-    /// From a surface that emits.
+    /// From a surface that emits and had this chance of being asked.
     #[inline(always)]
-    fn light_from_area(&self, scene: &Scene, light: &AreaLight, u: DVec2) -> Option<(Ray, Rgb)> {
-        let sample = light.sample(self.start.as_dvec3(), u)?;
+    fn light_from_area(
+        &self,
+        scene: &Scene,
+        light: &AreaLight,
+        chance: f32,
+        u: Vec2,
+    ) -> Option<Answer> {
+        let sample = light.sample(self.start.as_dvec3(), u.as_dvec2())?;
         let (reflected, pdf) = self.reflected(sample.incoming.as_vec3())?;
-        let radiance = scene.emitted_by(light, &sample) / (sample.pdf as f32 + pdf);
-        Some((sample.shadow_ray(self.start, 0.0, light.error), reflected * radiance))
+        let radiance = scene.emitted_by(light, &sample) / (chance * sample.pdf as f32 + pdf);
+        let ray = Some(sample.shadow_ray(self.start, 0.0, light.error));
+        Some(Answer { ray, radiance: reflected * radiance })
     }
 
     /// From behind everything.
     #[inline(always)]
-    fn light_from_afar(&self, sample: EnvironmentSample) -> Option<(Ray, Rgb)> {
+    fn light_from_afar(&self, sample: EnvironmentSample) -> Option<Answer> {
         let (reflected, pdf) = self.reflected(sample.incoming)?;
         let radiance = sample.radiance / (sample.pdf + pdf);
-        Some((Ray::new(self.start, sample.incoming), reflected * radiance))
+        let ray = Some(Ray::new(self.start, sample.incoming));
+        Some(Answer { ray, radiance: reflected * radiance })
     }
 }

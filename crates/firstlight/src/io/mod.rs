@@ -9,6 +9,7 @@ mod exr;
 pub mod gltf;
 mod hdr;
 mod load;
+pub mod luminaire;
 pub mod model;
 pub mod obj;
 mod part;

@@ -3,18 +3,18 @@
 use super::Scene;
 use super::Studio;
 use super::description::{
-    Alpha, CameraLightAmount, Integrator, Light, LightDescription, Material, SceneDescription,
-    Shape, Surface,
+    Alpha, CameraLightAmount, Light, LightDescription, Material, SceneDescription, Shape, Surface,
 };
-use super::lights::{area_lights, environment};
+use super::lights::{LocalLights, area_lights, environment, mean_emission};
 use crate::bvh::{BuildQuality, MeshPart, Part, World};
 use crate::camera::Camera;
 use crate::color::Rgb;
 use crate::geometry::Analytic;
 use crate::kernels::{ONE_SIDED, PARTLY_THERE};
 use crate::shading::light::environment::Sun;
-use crate::shading::light::{Cone, Light as BuiltLight, Source};
+use crate::shading::light::{Cone, Light as BuiltLight, RoundLight, Source};
 use crate::simd::Level;
+use glam::DMat3;
 use std::sync::Arc;
 
 /// A mesh whose copies would have more triangles than this is instanced; otherwise its copies stand in the world's
@@ -40,16 +40,27 @@ impl Scene {
         let world = World::build(parts(description), level, quality);
         let material_of: Vec<_> = description.surfaces.iter().map(|s| s.material as u32).collect();
         let sky = description.environment.as_ref();
-        let lights = description.lights.iter();
+        let all = || description.lights.iter();
+        let lights: Vec<_> = all().filter_map(|l| pointlike(l, &camera)).collect();
+        let round_lights: Vec<_> = all().filter_map(|l| round(l, &camera)).collect();
+        let suns: Vec<_> = all().filter_map(sun).collect();
+        let area_lights = area_lights(&world, &material_of, &description.materials);
+        let mean = |material| mean_emission(material, &description.images);
+        let mean_of: Vec<_> = description.materials.iter().map(mean).collect();
+        let emission = |surface: u32| mean_of[material_of[surface as usize] as usize];
+        let local_lights = LocalLights::new(&lights, &round_lights, &area_lights, level, emission);
         Self {
-            area_lights: area_lights(&world, &material_of, &description.materials),
+            is_lecture: description.is_lecture(),
+            local_lights,
+            area_lights,
             environment: sky.map(|sky| (environment(sky), sky.visible)),
             world,
             material_of,
             materials: description.materials.clone(),
             images: description.images.clone(),
-            lights: lights.filter_map(|l| light(l, &camera, description.integrator)).collect(),
-            suns: description.lights.iter().filter_map(sun).collect(),
+            lights,
+            round_lights,
+            suns,
             ambient,
             background: description.background,
             shadows: description.shadows,
@@ -65,12 +76,19 @@ fn ambient(light: &LightDescription) -> Option<Rgb> {
     if let Light::Ambient { radiance } = light.light { Some(radiance) } else { None }
 }
 
-/// A light without extent, as `integrator` sees it.
-fn light(
-    described: &LightDescription,
-    camera: &Camera,
-    integrator: Integrator,
-) -> Option<BuiltLight> {
+/// A light without extent; if it has one, but casts no shadows that could tell, its middle.
+fn pointlike(described: &LightDescription, camera: &Camera) -> Option<BuiltLight> {
+    if described.has_extent() { None } else { middle(described, camera) }
+}
+
+/// A sphere that shines in place of a point.
+fn round(described: &LightDescription, camera: &Camera) -> Option<RoundLight> {
+    let is_round = described.has_extent() && described.radius > 0.0;
+    RoundLight::new(&middle(described, camera).filter(|_| is_round)?, described.radius)
+}
+
+/// The light as if it had no extent; `None` if it comes from everywhere.
+fn middle(described: &LightDescription, camera: &Camera) -> Option<BuiltLight> {
     let source = match described.light {
         Light::Ambient { .. } => return None,
         Light::Point { position, intensity } => Source::Point { position, intensity },
@@ -78,8 +96,10 @@ fn light(
             let cone = Cone::new(direction, inner_angle, outer_angle, falloff);
             Source::Spot { position, intensity, cone }
         }
-        Light::Sun { .. } if integrator != Integrator::Direct && described.shadows => return None,
-        // Without shadows, or for those who sum over points, its middle stands for it.
+        Light::Photometric { position, rotation, ref web, factor } => {
+            let to_luminaire = DMat3::from_quat(rotation.inverse());
+            Source::Photometric { position, to_luminaire, web: Arc::clone(web), factor }
+        }
         Light::Directional { direction, irradiance } | Light::Sun { direction, irradiance, .. } => {
             Source::Directional { toward: -direction.as_vec3(), irradiance }
         }

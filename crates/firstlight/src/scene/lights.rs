@@ -1,7 +1,10 @@
 //! Lights that have an extent: which surfaces emit, and what.
 
 use super::Scene;
-use super::description::{Alpha, EnvironmentDescription, Material, SceneDescription, Surface};
+use super::description::{
+    Alpha, EnvironmentDescription, LightDescription, Material, Pattern, Pixels, SceneDescription,
+    Surface, Texture, Wrap,
+};
 use crate::bvh::{MeshPart, Part, World};
 use crate::color::Rgb;
 use crate::geometry::{Hit, Ray};
@@ -9,7 +12,12 @@ use crate::shading::interaction::SurfaceInteraction;
 use crate::shading::light::area::{AreaLight, AreaLights, shapes};
 use crate::shading::light::environment::{Aim, Environment};
 use crate::shading::light::shape::{LightShape, ShapeSample, Triangle};
-use glam::{DMat3, Vec3, Vec4Swizzles};
+use crate::shading::light::tree::LightTree;
+use crate::shading::light::{Light, RoundLight};
+use crate::shading::texture::texel;
+use crate::simd::Level;
+use glam::{DMat3, DVec4, Vec2, Vec3, Vec4, Vec4Swizzles};
+use std::sync::Arc;
 
 /// The lights that the surfaces are.
 pub(super) fn area_lights(
@@ -49,7 +57,121 @@ fn triangles(part: &MeshPart) -> Vec<Option<LightShape>> {
     (0..part.mesh.triangles.len() as u32).map(triangle).collect()
 }
 
+/// Radiance that a material emits on average over its picture, and over the channels, W·sr⁻¹·m⁻².
+pub(super) fn mean_emission(material: &Material, images: &[Arc<Pixels>]) -> f32 {
+    if !emits(material) {
+        return 0.0;
+    }
+    let Texture { factor, pattern, .. } = &material.emission;
+    let pattern = match pattern {
+        Pattern::Constant => Vec4::ONE,
+        Pattern::Checker { colors: [a, b], .. } => {
+            0.5 * (Vec4::from_array(*a) + Vec4::from_array(*b))
+        }
+        Pattern::Image { image, .. } => mean(&images[*image]),
+    };
+    (Vec4::from_array(*factor) * pattern).xyz().element_sum() / 3.0
+}
+
+/// Mean linear RGBA of a picture.
+fn mean(pixels: &Pixels) -> Vec4 {
+    let count = pixels.width as usize * pixels.height as usize;
+    let place = |i: usize| {
+        let (x, y) = (i % pixels.width as usize, i / pixels.width as usize);
+        Vec2::new(x as f32, y as f32)
+    };
+    let texels = (0..count).map(|i| texel(pixels, place(i), [Wrap::Clamp; 2]).as_dvec4());
+    (texels.sum::<DVec4>() / count as f64).as_vec4()
+}
+
+/// Lights that are somewhere, as opposed to everywhere or infinitely far away: those without extent in the order of
+/// the scene's, then round ones, then those that surfaces are.
+#[derive(Debug, Clone)]
+pub(crate) struct LocalLights {
+    /// Places of the lights without extent in [`Scene::lights`].
+    pub(crate) points: Vec<u32>,
+    /// Places of the others there, which are everywhere alike or infinitely far away.
+    pub(crate) elsewhere: Vec<u32>,
+    /// How many round lights there are.
+    round: u32,
+    count: u32,
+    tree: LightTree,
+}
+
+/// One of [`LocalLights`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum LocalLight {
+    /// Place in [`Scene::lights`].
+    Point(u32),
+    /// Place in [`Scene::round_lights`].
+    Round(u32),
+    /// Place in [`Scene::area_lights`].
+    Area(u32),
+}
+
+impl LocalLights {
+    /// `mean_emission` is that of a surface.
+    pub(super) fn new(
+        lights: &[Light],
+        round_lights: &[RoundLight],
+        area_lights: &AreaLights,
+        level: Level,
+        mean_emission: impl Fn(u32) -> f32,
+    ) -> Self {
+        let is_somewhere = |place: &u32| lights[*place as usize].bounds().is_some();
+        let (points, elsewhere) = (0..lights.len() as u32).partition::<Vec<_>, _>(is_somewhere);
+        let mut bounds: Vec<_> = lights.iter().filter_map(Light::bounds).collect();
+        bounds.extend(round_lights.iter().map(RoundLight::bounds));
+        bounds.extend(area_lights.iter().map(|light| light.bounds(mean_emission(light.surface))));
+        let round = round_lights.len() as u32;
+        Self {
+            points,
+            elsewhere,
+            round,
+            count: bounds.len() as u32,
+            tree: LightTree::build(&bounds, level),
+        }
+    }
+
+    /// How many there are.
+    pub(crate) fn len(&self) -> u32 {
+        self.count
+    }
+
+    /// One that may give light to a surface at `point` with the unit normal `normal`, picked by a number in 0..1, with
+    /// the probability of that; `None` if none does.
+    #[inline(always)]
+    pub(crate) fn pick(&self, point: Vec3, normal: Vec3, u: f64) -> Option<(LocalLight, f32)> {
+        let (number, probability) = self.tree.pick(point, normal, u)?;
+        let behind_points = number.wrapping_sub(self.points.len() as u32);
+        let light = match self.points.get(number as usize) {
+            Some(&place) => LocalLight::Point(place),
+            None if behind_points < self.round => LocalLight::Round(behind_points),
+            None => LocalLight::Area(behind_points - self.round),
+        };
+        Some((light, probability))
+    }
+
+    /// Probability with which [`LocalLights::pick`] picks an area light.
+    #[inline(always)]
+    pub(crate) fn probability(&self, point: Vec3, normal: Vec3, area_light: u32) -> f32 {
+        let before = self.points.len() as u32 + self.round;
+        self.tree.probability(point, normal, before + area_light)
+    }
+}
+
 impl SceneDescription {
+    /// Whether nothing shines but points and what is as good as a point, and nothing mirrors: what the lecture has.
+    pub(crate) fn is_lecture(&self) -> bool {
+        let plain = |surface: &Surface| {
+            let material = &self.materials[surface.material];
+            material.is_matte() && !emits(material)
+        };
+        self.environment.is_none()
+            && !self.lights.iter().any(LightDescription::has_extent)
+            && self.surfaces.iter().all(plain)
+    }
+
     /// Area of a surface, one side, m²; `None` if it has no end, or is a part of a cone.
     pub(crate) fn emitting_area(&self, surface: &Surface) -> Option<f64> {
         let shapes = match super::build::part(self, surface, &|_| false) {
@@ -63,7 +185,7 @@ impl SceneDescription {
 /// The environment, ready to be sampled where other techniques look for it too.
 pub(super) fn environment(described: &EnvironmentDescription) -> Environment {
     let to_sky = DMat3::from_quat(described.rotation).transpose().as_mat3();
-    Environment::new(described.sky.clone(), described.factor, to_sky, Aim::Compensated)
+    Environment::new(&described.sky, described.factor, to_sky, Aim::Compensated)
 }
 
 impl Scene {

@@ -12,14 +12,15 @@ mod studio;
 
 pub(crate) use filter::{SeenByCamera, StopsLight};
 pub use framing::{bounds, frame};
+pub(crate) use lights::{LocalLight, LocalLights};
 pub use studio::Studio;
 
 use crate::bvh::World;
 use crate::camera::Camera;
 use crate::color::Rgb;
-use crate::shading::light::Light;
 use crate::shading::light::area::AreaLights;
 use crate::shading::light::environment::{Environment, Sun};
+use crate::shading::light::{Light, RoundLight};
 use crate::simd::Level;
 use description::{FilmDescription, Integrator, LuminousEfficacy, Material, Pixels, Shadows};
 use std::sync::Arc;
@@ -34,12 +35,18 @@ pub struct Scene {
     pub(crate) images: Vec<Arc<Pixels>>,
     /// All lights that come from one direction, in the file's order.
     pub(crate) lights: Vec<Light>,
+    /// Spheres that shine in place of points.
+    pub(crate) round_lights: Vec<RoundLight>,
     /// The surfaces that emit.
     pub(crate) area_lights: AreaLights,
+    /// The lights of these three kinds that are somewhere.
+    pub(crate) local_lights: LocalLights,
     /// Round lights infinitely far away.
     pub(crate) suns: Vec<Sun>,
     /// Light from directions that hit nothing, and whether the camera sees it.
     pub(crate) environment: Option<(Environment, bool)>,
+    /// Whether nothing shines but points and what is as good as a point, and nothing mirrors: what the lecture has.
+    pub(crate) is_lecture: bool,
     /// Sum of the ambient lights' radiance, W·sr⁻¹·m⁻².
     pub(crate) ambient: Rgb,
     pub(crate) background: Rgb,

@@ -51,7 +51,7 @@ impl Studio {
         if scene.cameras.is_empty() {
             scene.cameras.push(self.view(scene));
         }
-        if scene.lights.is_empty() {
+        if scene.lights.is_empty() && scene.environment.is_none() {
             scene.lights.extend(self.lights());
         }
         scene.background = self.background.unwrap_or_else(|| self.far_radiance(scene));
@@ -80,16 +80,16 @@ impl Studio {
 
     /// The key light and the light at the camera, those that there are.
     pub fn lights(&self) -> Vec<LightDescription> {
-        let described =
-            |name: &str, light| LightDescription { name: name.into(), light, shadows: true };
         let key = |e: f64| Light::Directional {
             direction: -self.toward_key(),
             irradiance: Rgb::splat(e as f32),
         };
         let head =
             |e: f64| Light::Camera { amount: CameraLightAmount::Irradiance(Rgb::splat(e as f32)) };
-        let key = self.key.map(|e| described("key", key(e)));
-        key.into_iter().chain(self.headlight.map(|e| described("headlight", head(e)))).collect()
+        let key = self.key.map(|e| LightDescription::new("key", key(e)));
+        key.into_iter()
+            .chain(self.headlight.map(|e| LightDescription::new("headlight", head(e))))
+            .collect()
     }
 
     /// Radiance of the ground far away, where points and the light at the camera no longer reach; of the usual ground

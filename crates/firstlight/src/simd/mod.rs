@@ -62,6 +62,8 @@ pub(crate) trait Lanes:
     fn min(self, other: Self) -> Self;
     /// The larger of each lane; the second where either is NaN.
     fn max(self, other: Self) -> Self;
+    /// The square root.
+    fn sqrt(self) -> Self;
     /// Without sign.
     fn abs(self) -> Self;
     /// With the sign of `sign`.
@@ -111,7 +113,7 @@ mod tests {
     const PLACES: [u8; LANES] = [7, 0, 3, 3, 1, 6, 2, 5];
 
     impl Kernel for Everything {
-        type Output = ([[f32; LANES]; 11], [u32; 6], [f32; 2], [[f32; LANES]; LANES]);
+        type Output = ([[f32; LANES]; 12], [u32; 6], [f32; 2], [[f32; LANES]; LANES]);
 
         #[inline(always)]
         fn run<S: Simd>(self, simd: S) -> Self::Output {
@@ -129,6 +131,7 @@ mod tests {
                 a.max(b),
                 simd.splat(self.0[0]).copysign(b),
                 a.abs(),
+                a.abs().sqrt(),
                 a.permute(&PLACES),
                 S::F::from_doubles(doubles),
                 a.select(simd.mask(0b1010_0110), b),
@@ -161,6 +164,7 @@ mod tests {
                     x.max(y),
                     a[0].copysign(y),
                     x.abs(),
+                    x.abs().sqrt(),
                     a[usize::from(PLACES[i])],
                     ((dx * dy + 3.0) / dy - dx) as f32,
                     if 0b1010_0110 >> i & 1 == 1 { x } else { y },

@@ -98,7 +98,7 @@ pub(super) fn light(
     };
     let name = placed.node.name.clone().or_else(|| light.name.clone());
     let name = name.unwrap_or_else(|| format!("light {index}"));
-    Ok(Some(LightDescription { name, light: aimed, shadows: true }))
+    Ok(Some(LightDescription::new(name, aimed)))
 }
 
 fn strength(data: &Data, light: &document::Light, efficacy: f64, part: &str) -> Result<Rgb> {

@@ -1,8 +1,9 @@
 //! From what is written to a scene with indices.
 
 use super::document::{At, Document, Named, Span, in_order};
-use super::environment::EnvironmentKeys;
+use super::environment::{EnvironmentKeys, Surroundings};
 use super::light::{Lighting, SurfaceLightKeys};
+use super::luminaire::Luminaires;
 use super::material::{MaterialKeys, Pictures};
 use super::surface::{NewShape, SurfaceKeys};
 use super::{InstanceKeys, ModelKeys, SceneKeys, transform};
@@ -11,7 +12,7 @@ use crate::diagnostic::{Diagnostic, Result};
 use crate::io::model::{self, Format, UpAxis, upright};
 use crate::io::{FileAccess, Warnings};
 use crate::scene::description::{
-    Integrator, LuminousEfficacy, Material, Part, SceneDescription, Shape, Surface, Texture, Up,
+    LuminousEfficacy, Material, Part, SceneDescription, Shape, Surface, Texture, Up,
 };
 use crate::suggest::{did_you_mean, quoted};
 use glam::{DAffine3, DVec3};
@@ -74,8 +75,9 @@ pub(super) fn build(
         models: HashMap::new(),
         placed: IndexMap::new(),
     };
+    let mut luminaires = Luminaires { document, access, by_file: HashMap::new() };
     for (name, light) in in_order(keys.lights) {
-        let light = builder.lighting().describe(&name, light.value)?;
+        let light = builder.lighting().describe(&name, light.value, &mut luminaires)?;
         builder.scene.lights.push(light);
     }
     builder.add_materials(keys.materials, keys.environment, warnings)?;
@@ -94,7 +96,8 @@ pub(super) fn build(
 
 impl Builder<'_> {
     fn lighting(&self) -> Lighting<'_> {
-        Lighting { document: self.document, efficacy: self.scene.luminous_efficacy.0 }
+        let efficacy = self.scene.luminous_efficacy.0;
+        Lighting { document: self.document, efficacy, up: self.up }
     }
 
     /// Materials and environment, which may share pictures.
@@ -111,13 +114,12 @@ impl Builder<'_> {
             self.scene.materials.push(material.value.describe(&name, &mut pictures)?);
             self.materials.insert(name, self.scene.materials.len() - 1);
         }
-        if let Some(At { span, value }) = environment {
-            if self.scene.integrator == Integrator::Direct {
-                let warning = document.error(&span, "is not seen by the integrator \"direct\"");
-                warnings.push(warning.help("write integrator = \"path\""));
-            }
-            let environment = value.describe(&self.lighting(), &mut pictures, self.up)?;
-            self.scene.environment = Some(environment);
+        if let Some(At { value, .. }) = environment {
+            let (lighting, up) = (&self.lighting(), self.up);
+            let pictures = &mut pictures;
+            let new = value.describe(&mut Surroundings { lighting, pictures, up, warnings })?;
+            self.scene.environment = Some(new.sky);
+            self.scene.lights.extend(new.sun);
         }
         self.scene.images = pictures.images;
         Ok(())

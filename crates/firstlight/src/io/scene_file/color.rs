@@ -43,6 +43,13 @@ impl Written for Color {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Reflectance([f32; 4]);
 
+impl Reflectance {
+    /// Without alpha.
+    pub(super) fn rgb(self) -> Rgb {
+        Rgb::from_slice(&self.0)
+    }
+}
+
 impl Written for Reflectance {
     const EXPECTED: &'static str = "a reflectance such as \"#c0392b\", \"tomato\", 0.5, [0.5, 0.2, 0.1] or { image = { file = \"wood.png\" } }";
     fn from_number(grey: f64) -> Checked<Self> {

@@ -2,11 +2,13 @@
 
 use super::color::Color;
 use super::document::{At, Document, Span};
+use super::luminaire::{Luminaires, PhotometricKeys};
 use crate::color::{Rgb, luminance};
-use crate::diagnostic::Result;
+use crate::diagnostic::{Diagnostic, Result};
+use crate::io::model::UpAxis;
 use crate::scene::description::{CameraLightAmount, Light, LightDescription, SpotFalloff};
 use crate::units::written::{
-    Angle, Checked, Direction, Point, WITH_UNIT, Written, WrittenVisitor, quantity, units_of,
+    Angle, Checked, Direction, Point, Size, WITH_UNIT, Written, WrittenVisitor, quantity, units_of,
 };
 use crate::units::{Dimension, Measure};
 use glam::DVec3;
@@ -25,6 +27,8 @@ pub(super) enum LightKeys {
     Point(At<PointKeys>),
     /// A point that shines into a cone.
     Spot(At<SpotKeys>),
+    /// A luminaire as it was measured.
+    Photometric(At<PhotometricKeys>),
     /// Parallel light from far away, such as the sun's.
     Directional(At<DirectionalKeys>),
     /// A round light infinitely far away, with soft shadows.
@@ -45,6 +49,8 @@ pub(super) struct PointKeys {
     power: Option<At<Amount<Power>>>,
     /// What it gives per direction: W/sr or cd.
     intensity: Option<At<Amount<Intensity>>>,
+    /// Radius of a sphere that shines in its place, m: its shadows become soft. Default: it is a point.
+    radius: Option<Size>,
     /// Its colour. Default white.
     color: Option<Color>,
     /// Whether surfaces in between cast shadows. Default true.
@@ -69,6 +75,8 @@ pub(super) struct SpotKeys {
     outer_angle: Option<At<Angle>>,
     /// How the light falls from the inner to the outer angle. Default "gltf".
     falloff: Option<SpotFalloff>,
+    /// Radius of a sphere that shines in its place, m: its shadows become soft. Default: it is a point.
+    radius: Option<Size>,
     /// Its colour. Default white.
     color: Option<Color>,
     /// Whether surfaces in between cast shadows. Default true.
@@ -237,37 +245,49 @@ pub(super) struct Lighting<'a> {
     pub(super) document: &'a Document<'a>,
     /// Lumens per watt.
     pub(super) efficacy: f64,
+    pub(super) up: UpAxis,
 }
 
 impl Lighting<'_> {
-    /// The light as plain data.
-    pub(super) fn describe(&self, name: &str, keys: LightKeys) -> Result<LightDescription> {
-        let (light, shadows) = match keys {
+    /// The light as plain data; measured luminaires are opened by `luminaires`.
+    pub(super) fn describe(
+        &self,
+        name: &str,
+        keys: LightKeys,
+        luminaires: &mut Luminaires<'_>,
+    ) -> Result<LightDescription> {
+        let (light, shadows, radius) = match keys {
             LightKeys::Point(At { span, value }) => {
-                let shadows = value.shadows.unwrap_or(true);
-                (self.point(value, &span)?, shadows)
+                let (shadows, radius) = (value.shadows, value.radius);
+                (self.point(value, &span)?, shadows, radius)
             }
             LightKeys::Spot(At { span, value }) => {
-                let shadows = value.shadows.unwrap_or(true);
-                (self.spot(value, &span)?, shadows)
+                let (shadows, radius) = (value.shadows, value.radius);
+                (self.spot(value, &span)?, shadows, radius)
+            }
+            LightKeys::Photometric(At { value, .. }) => {
+                let (shadows, radius) = (value.shadows, value.radius);
+                (self.photometric(value, luminaires)?, shadows, radius)
             }
             LightKeys::Directional(At { value, .. }) => {
                 let irradiance = self.channels(&value.irradiance, value.color)?;
                 let light = Light::Directional { direction: value.direction.0, irradiance };
-                (light, value.shadows.unwrap_or(true))
+                (light, value.shadows, None)
             }
             LightKeys::Sun(At { value, .. }) => {
-                let shadows = value.shadows.unwrap_or(true);
-                (self.sun(value)?, shadows)
+                let shadows = value.shadows;
+                (self.sun(value)?, shadows, None)
             }
             LightKeys::Ambient(At { value, .. }) => {
-                (Light::Ambient { radiance: self.channels(&value.radiance, value.color)? }, false)
+                let radiance = self.channels(&value.radiance, value.color)?;
+                (Light::Ambient { radiance }, Some(false), None)
             }
             LightKeys::Camera(At { span, value }) => {
-                (Light::Camera { amount: self.camera_light(value, &span)? }, false)
+                (Light::Camera { amount: self.camera_light(value, &span)? }, Some(false), None)
             }
         };
-        Ok(LightDescription { name: name.into(), light, shadows })
+        let (shadows, radius) = (shadows.unwrap_or(true), radius.map_or(0.0, |Size(r)| r));
+        Ok(LightDescription { name: name.into(), light, shadows, radius })
     }
 
     fn point(&self, keys: PointKeys, light: &Span) -> Result<Light> {
@@ -283,14 +303,8 @@ impl Lighting<'_> {
     }
 
     fn sun(&self, keys: SunKeys) -> Result<Light> {
-        let size = keys.angular_size.as_ref().map_or(0.533_f64.to_radians(), |at| at.value.0);
-        if let Some(At { span, .. }) = &keys.angular_size
-            && !(size > 1e-6 && size <= PI + 1e-6)
-        {
-            return Err(self.document.error(span, "must be more than 0° and at most 180°"));
-        }
+        let angular_radius = angular_radius(keys.angular_size.as_ref(), self.document)?;
         let irradiance = self.channels(&keys.irradiance, keys.color)?;
-        let angular_radius = (0.5 * size).min(FRAC_PI_2);
         Ok(Light::Sun { direction: keys.direction.0, irradiance, angular_radius })
     }
 
@@ -323,14 +337,8 @@ impl Lighting<'_> {
 
     fn spot(&self, keys: SpotKeys, light: &Span) -> Result<Light> {
         let Point(position) = keys.position;
-        let direction = match (&keys.target, &keys.direction) {
-            (Some(target), None) => (target.value.0 - position)
-                .try_normalize()
-                .ok_or_else(|| self.document.error(&target.span, "must differ from position"))?,
-            (None, Some(direction)) => direction.value.0,
-            (Some(_), Some(second)) => return Err(self.one_of("target or direction", &second.span)),
-            (None, None) => return Err(self.none_of("target or direction", light)),
-        };
+        let aim = self.aim(position, keys.target.as_ref(), keys.direction.as_ref())?;
+        let direction = aim.ok_or_else(|| self.none_of("target or direction", light))?;
         let (inner_angle, outer_angle) = self.cone(keys.inner_angle, keys.outer_angle)?;
         Ok(Light::Spot {
             position,
@@ -340,6 +348,24 @@ impl Lighting<'_> {
             outer_angle,
             falloff: keys.falloff.unwrap_or_default(),
         })
+    }
+
+    /// Unit vector from a position to a target, or the direction; `None` if neither is given.
+    pub(super) fn aim(
+        &self,
+        position: DVec3,
+        target: Option<&At<Point>>,
+        direction: Option<&At<Direction>>,
+    ) -> Result<Option<DVec3>> {
+        match (target, direction) {
+            (Some(target), None) => {
+                let toward = (target.value.0 - position).try_normalize();
+                let same = || self.document.error(&target.span, "must differ from position");
+                toward.ok_or_else(same).map(Some)
+            }
+            (None, direction) => Ok(direction.map(|direction| direction.value.0)),
+            (Some(_), Some(second)) => Err(self.one_of("target or direction", &second.span)),
+        }
     }
 
     /// 0 ≤ inner < outer ≤ 90°.
@@ -401,11 +427,31 @@ impl Lighting<'_> {
         channels.is_finite().then_some(channels).ok_or_else(overflow)
     }
 
-    fn one_of(&self, choice: &str, second: &Span) -> Box<crate::diagnostic::Diagnostic> {
+    /// The complaint that not exactly one of two was given: both, if the `second` has a place.
+    pub(super) fn one_of_two(
+        &self,
+        choice: &str,
+        second: Option<&Span>,
+        keys: &Span,
+    ) -> Box<Diagnostic> {
+        second.map_or_else(|| self.none_of(choice, keys), |span| self.one_of(choice, span))
+    }
+
+    fn one_of(&self, choice: &str, second: &Span) -> Box<Diagnostic> {
         self.document.error(second, format!("is one too many: give {choice}, not both"))
     }
 
-    fn none_of(&self, choice: &str, light: &Span) -> Box<crate::diagnostic::Diagnostic> {
+    fn none_of(&self, choice: &str, light: &Span) -> Box<Diagnostic> {
         self.document.error(light, format!("needs {choice}"))
     }
+}
+
+/// Half of the angle across a sun, rad; of ours if none is given.
+pub(super) fn angular_radius(size: Option<&At<Angle>>, document: &Document<'_>) -> Result<f64> {
+    const OURS: f64 = 0.533;
+    let Some(At { span, value: Angle(size) }) = size else { return Ok(0.5 * OURS.to_radians()) };
+    if *size > 1e-6 && *size <= PI + 1e-6 {
+        return Ok((0.5 * size).min(FRAC_PI_2));
+    }
+    Err(document.error(span, "must be more than 0° and at most 180°"))
 }

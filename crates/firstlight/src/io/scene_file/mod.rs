@@ -12,8 +12,10 @@ mod document;
 mod environment;
 mod film;
 mod light;
+mod luminaire;
 mod material;
 mod overrides;
+mod sun;
 mod surface;
 #[cfg(test)]
 mod tests;

@@ -1,8 +1,8 @@
 use super::*;
 use crate::color::luminance;
 use crate::scene::description::{
-    Alpha, CameraLightAmount, Exposure, Filter, Integrator, Light, Pattern, Projection, Sampling,
-    Shape, Sky, Wrap,
+    Alpha, CameraLightAmount, Exposure, Filter, Integrator, Light, LightDescription, Pattern,
+    Projection, Sampling, Shape, Sky, Wrap,
 };
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -13,6 +13,9 @@ fn scene_with(text: &str, overrides: &[&str]) -> Result<SceneDescription> {
     let file = |name: &str| folder.path().join(name);
     image::RgbaImage::new(1, 1).save(file("wood.png")).unwrap();
     image::RgbaImage::from_pixel(4, 2, image::Rgba([255; 4])).save(file("sky.png")).unwrap();
+    let lamp = "TILT=NONE\n1 1000 1 2 1 1 2 0 0 0\n1 1 20\n0 180\n0\n100 100\n";
+    std::fs::write(file("lamp.ies"), lamp).unwrap();
+    std::fs::write(file("bad.ies"), lamp.replace("1000", "many")).unwrap();
     let access = FileAccess::beside(&file("scene.toml"), &[]);
     let overrides = overrides.iter().map(|o| o.parse()).collect::<Result<Vec<_>>>()?;
     read(text, "scene.toml", &overrides, &access, &mut Warnings::new())
@@ -38,7 +41,7 @@ fn the_examples_of_the_reference_are_scenes() {
     let reference = std::fs::read_to_string(folder.join("docs/scene-format.md")).unwrap();
     let examples: Vec<&str> =
         reference.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
-    assert_eq!(examples.len(), 11);
+    assert_eq!(examples.len(), 12);
     for example in &examples {
         let document =
             Document { name: "example", text: example, overrides: &[], generated: false };
@@ -200,6 +203,11 @@ fn environments_and_integrators_are_read() {
     assert_eq!(scene("integrator = 'path'").integrator, Integrator::Path { bounces: None });
     let few = Integrator::Path { bounces: Some(3) };
     assert_eq!(scene("integrator = { path = { bounces = 3 } }").integrator, few);
+    let distance = f64::INFINITY;
+    let all = scene("integrator = 'ambient_occlusion'").integrator;
+    assert_eq!(all, Integrator::AmbientOcclusion { distance });
+    let near = scene("integrator = { ambient_occlusion = { distance = '20 cm' } }").integrator;
+    assert_eq!(near, Integrator::AmbientOcclusion { distance: 0.2 });
 }
 
 #[test]
@@ -229,11 +237,96 @@ fn a_surface_emits_what_its_light_says() {
 }
 
 #[test]
-fn direct_light_says_what_it_does_not_see() {
+fn skies_are_read_with_their_sun() {
+    let sky =
+        scene("environment.sky = { sun = { elevation = 30, azimuth = 90, angular_size = 1 } }");
+    let environment = sky.environment.unwrap();
+    let Sky::Clear { turbidity, sun, ground } = environment.sky else { panic!("a clear sky") };
+    assert!(turbidity == 3.0 && sun.abs_diff_eq(DVec3::new(0.75_f64.sqrt(), 0.0, 0.5), 1e-12));
+    assert!(ground.min_element() > 0.0);
+    let Light::Sun { direction, irradiance, angular_radius } = sky.lights[0].light else {
+        panic!("a sun")
+    };
+    assert!(direction.abs_diff_eq(-sun, 1e-12) && (angular_radius - PI / 360.0).abs() < 1e-12);
+    // Some 80 klx at this height, redder than white.
+    let lux = 683.0 * luminance(irradiance);
+    assert!((6e4..1.1e5).contains(&lux) && irradiance.x > irradiance.z, "{irradiance} {lux}");
+    let without = scene("environment.sky = { sunlight = false }");
+    assert!(without.lights.is_empty());
+    // The same sun by its direction, in a world where y is up.
+    let by_direction = "up = 'y'\nenvironment.sky.sun.direction = [-1, -1, 0]";
+    let Sky::Clear { sun, .. } = scene(by_direction).environment.unwrap().sky else { panic!() };
+    assert!(sun.abs_diff_eq(DVec3::new(0.5_f64.sqrt(), 0.0, 0.5_f64.sqrt()), 1e-12), "{sun}");
+    for time in ["'2003-10-17T12:30:30-07:00'", "2003-10-17T12:30:30-07:00", "2003-10-17T19:30:30Z"]
+    {
+        let place = "latitude = 39.742476, longitude = -105.1786";
+        let timed = format!("environment.sky.sun = {{ {place}, time = {time} }}");
+        let Sky::Clear { sun, .. } = scene(&timed).environment.unwrap().sky else { panic!() };
+        assert!((sun.z.asin().to_degrees() - 39.888).abs() < 0.03, "{sun}");
+        assert!(sun.y < 0.0 && sun.x < 0.0);
+    }
+}
+
+#[test]
+fn skies_of_the_cie_have_the_light_that_is_asked_for() {
+    let given = |keys: &str| {
+        let scene = scene(&format!("environment.cie = {{ type = 5, {keys} }}"));
+        (scene.environment.unwrap(), scene.lights)
+    };
+    let (sky, lights) = given("zenith_radiance = '683 nit', ground = 0.5");
+    let Sky::Cie { number: 5, ground, .. } = sky.sky else { panic!("a sky of the CIE") };
+    assert!((sky.factor.x - 1.0).abs() < 1e-6 && lights.is_empty());
+    assert!((ground.x - 0.5).abs() < 1e-5, "half of what a uniform sky gives: {ground}");
+    let (sky, _) = given("horizontal_irradiance = '2145.708 lx'");
+    assert!((f64::from(sky.factor.x) - 1.0).abs() < 1e-5, "π for a uniform sky: {}", sky.factor);
+    let (sky, lights) = given("zenith_radiance = 2, sun.elevation = 30, sunlight = 10, ground = 1");
+    let Sky::Cie { ground, .. } = sky.sky else { panic!() };
+    // (2π + 10 / 2) / π, in units of the zenith.
+    assert!((f64::from(ground.x) - (1.0 + 2.5 / PI)).abs() < 1e-5, "{ground}");
+    let Light::Sun { irradiance, .. } = lights[0].light else { panic!("a sun") };
+    assert_eq!(irradiance, Rgb::splat(10.0));
+}
+
+#[test]
+fn a_sun_that_has_set_is_told() {
     let mut warnings = Warnings::new();
     let access = FileAccess::beside(Path::new("scene.toml"), &[]);
-    read("environment.uniform.radiance = 1", "scene.toml", &[], &access, &mut warnings).unwrap();
-    assert!(warnings[0].to_string().contains("is not seen by the integrator"), "{}", warnings[0]);
+    let night = "latitude = 40, longitude = 0, time = 2024-06-20T23:00:00Z";
+    let text = format!("environment.sky.sun = {{ {night} }}");
+    let scene = read(&text, "scene.toml", &[], &access, &mut warnings).unwrap();
+    assert!(scene.lights.is_empty());
+    assert!(
+        warnings[0].to_string().contains("environment.sky.sun has set, it is 2"),
+        "{warnings:?}"
+    );
+}
+
+#[test]
+fn luminaires_are_read_and_aimed() {
+    let photometric = |keys: &str| {
+        let lamp = format!("file = 'lamp.ies', position = [0, 0, 3], {keys}");
+        let scene = scene(&format!("lights.lamp.photometric = {{ {lamp} }}"));
+        let [LightDescription { light, radius, .. }] = &scene.lights[..] else { panic!("one") };
+        let Light::Photometric { rotation, factor, web, .. } = light.clone() else { panic!() };
+        (rotation, factor, web, *radius)
+    };
+    let (rotation, factor, web, radius) = photometric("color = 'white'");
+    assert!((rotation * DVec3::NEG_Z).abs_diff_eq(DVec3::NEG_Z, 1e-12));
+    assert!((rotation * DVec3::X).abs_diff_eq(DVec3::X, 1e-12));
+    assert!((683.0 * factor.x - 1.0).abs() < 1e-6 && radius == 0.0);
+    assert_eq!(web.intensities, [100.0, 100.0]);
+    let (rotation, factor, ..) = photometric("target = [5, 0, 3], power = '500 lm', strength = 2");
+    assert!((rotation * DVec3::NEG_Z).abs_diff_eq(DVec3::X, 1e-12));
+    // 500 lm, of which 400 π were measured, twice.
+    let expected = 2.0 * 500.0 / (400.0 * PI * 683.0);
+    assert!((f64::from(factor.x) / expected - 1.0).abs() < 1e-4, "{factor}");
+    let (rotation, _, _, radius) = photometric("rotation = 90, radius = '10 cm'");
+    assert!((rotation * DVec3::X).abs_diff_eq(DVec3::Y, 1e-12) && radius == 0.1);
+    let round =
+        "lights.a.spot = { position = [0, 0, 1], target = [0, 0, 0], intensity = 1, radius = 2 }";
+    assert_eq!(scene(round).lights[0].radius, 2.0);
+    let bad = complaint("lights.lamp.photometric = { file = 'bad.ies', position = [0, 0, 3] }");
+    assert!(bad.contains("lights.lamp.photometric.file: bad.ies:2: needs a number"), "{bad}");
 }
 
 #[test]
@@ -333,6 +426,29 @@ fn what_is_out_of_range_is_refused() {
         "integrator = { path = { bounces = -1 } }",
         "environment.uniform = { radiance = -1 }",
         "environment.gradient = { zenith = 1 }",
+        "integrator = { path = {}, ambient_occlusion = {} }",
+        "integrator = { ambient_occlusion = { distance = 0 } }",
+        "environment.sky = { turbidity = 1 }",
+        "environment.sky = { turbidity = 11 }",
+        "environment.sky = { ground = 2 }",
+        "environment.sky.sun = { elevation = -1 }",
+        "environment.sky.sun = { elevation = 91 }",
+        "environment.sky.sun = { elevation = 10, direction = [0, 0, -1] }",
+        "environment.sky.sun = { azimuth = 10, latitude = 3 }",
+        "environment.sky.sun = { latitude = 3, longitude = 3 }",
+        "environment.sky.sun = { latitude = 91, longitude = 3, time = 2024-06-20T12:00:00Z }",
+        "environment.sky.sun = { latitude = 3, longitude = 3, time = 2024-06-20T12:00:00 }",
+        "environment.sky.sun = { latitude = 3, longitude = 3, time = 2024-06-20 }",
+        "environment.sky.sun = { latitude = 3, longitude = 3, time = 'noon' }",
+        "environment.sky.sun = { latitude = 3, longitude = 3, time = 12 }",
+        "environment.cie = { type = 0, zenith_radiance = 1 }",
+        "environment.cie = { type = 16, zenith_radiance = 1 }",
+        "environment.cie = { type = 5 }",
+        "environment.cie = { type = 5, zenith_radiance = 1, horizontal_irradiance = 1 }",
+        "lights.a.photometric = { file = 'none.ies', position = [0, 0, 0] }",
+        "lights.a.photometric = { file = 'wood.png', position = [0, 0, 0] }",
+        "lights.a.photometric = { file = 'lamp.ies', position = [0, 0, 0], target = [0, 0, 0] }",
+        "lights.a.point = { position = [0, 0, 0], power = 1, radius = 0 }",
         "environment.image = { file = 'sea.png' }",
         "environment.image = { file = 'sky.png', strength = -1 }",
         "environment = { uniform = { radiance = 1 }, image = { file = 'sky.png' } }",

@@ -2,7 +2,7 @@
 
 use super::{Pixels, Sampling};
 use crate::color::Rgb;
-use glam::DQuat;
+use glam::{DQuat, DVec3};
 use std::sync::Arc;
 
 /// Light from directions that hit nothing.
@@ -38,5 +38,23 @@ pub enum Sky {
         pixels: Arc<Pixels>,
         /// How pixels are joined.
         sampling: Sampling,
+    },
+    /// One of the CIE's general skies (ISO 15469:2004), 1 at its zenith.
+    Cie {
+        /// Which of them, 1..=15.
+        number: u8,
+        /// Unit vector to the sun, which is not part of it.
+        sun: DVec3,
+        /// Radiance of the ground below the horizon.
+        ground: Rgb,
+    },
+    /// A clear or hazy sky, in cd·m⁻².
+    Clear {
+        /// How hazy: 2 is clear, 6 hazy.
+        turbidity: f64,
+        /// Unit vector to the sun, which is not part of it.
+        sun: DVec3,
+        /// Luminance of the ground below the horizon per channel.
+        ground: Rgb,
     },
 }

@@ -1,9 +1,11 @@
 //! Lights as plain data.
 
+use super::PhotometricWeb;
 use crate::color::Rgb;
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use schemars::JsonSchema;
 use serde::Deserialize;
+use std::sync::Arc;
 
 /// A light and its name.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,6 +16,21 @@ pub struct LightDescription {
     pub light: Light,
     /// Whether surfaces in between cast shadows.
     pub shadows: bool,
+    /// Radius of the sphere that shines in place of a point, spot or measured luminaire, m, and gives the same from afar;
+    /// 0: none does. It is not seen, and does nothing without shadows.
+    pub radius: f64,
+}
+
+impl LightDescription {
+    /// A light that casts shadows and has no radius.
+    pub fn new(name: impl Into<String>, light: Light) -> Self {
+        Self { name: name.into(), light, shadows: true, radius: 0.0 }
+    }
+
+    /// Whether its shadows have soft edges. Without shadows, its middle is as good.
+    pub fn has_extent(&self) -> bool {
+        self.shadows && (self.radius > 0.0 || matches!(self.light, Light::Sun { .. }))
+    }
 }
 
 /// What a light gives. Every quantity is per colour channel.
@@ -40,6 +57,17 @@ pub enum Light {
         outer_angle: f64,
         /// How the intensity falls between the two.
         falloff: SpotFalloff,
+    },
+    /// A point that gives in each direction what was measured.
+    Photometric {
+        /// Where it is, m.
+        position: DVec3,
+        /// From the luminaire's own space to the world.
+        rotation: DQuat,
+        /// What was measured, cd.
+        web: Arc<PhotometricWeb>,
+        /// Radiant intensity for each candela that was measured, W·sr⁻¹·cd⁻¹.
+        factor: Rgb,
     },
     /// Parallel light from infinitely far away.
     Directional {

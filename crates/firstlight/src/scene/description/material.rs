@@ -46,6 +46,13 @@ impl Material {
     }
 }
 
+impl Material {
+    /// Whether it mirrors nothing.
+    pub(crate) fn is_matte(&self) -> bool {
+        self.mirrored.is_constant() && Rgb::from_slice(&self.mirrored.factor) == Rgb::ZERO
+    }
+}
+
 /// What the alpha channel of a material's reflectance means (glTF's alpha modes).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Alpha {

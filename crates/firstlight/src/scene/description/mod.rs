@@ -9,6 +9,7 @@ mod fingerprint;
 mod light;
 mod material;
 mod mesh;
+mod photometry;
 mod place;
 mod shape;
 mod view;
@@ -19,6 +20,7 @@ pub use material::{
     Alpha, Material, Pattern, Pixels, Sampling, Texels, Texture, UvTransform, Wrap,
 };
 pub use mesh::Mesh;
+pub use photometry::{Goniometer, PhotometricWeb};
 pub use place::Part;
 pub use shape::{Block, Cone, Cylinder, Disk, Plane, Quad, Shape, Sphere, Surface};
 pub use view::{

@@ -56,6 +56,7 @@ impl SceneDescription {
             name: full_name(&light.name),
             light: moved_light(&light.light, transform),
             shadows: light.shadows,
+            radius: light.radius * growth(transform),
         }));
         self.cameras.extend(part.cameras.iter().map(|camera| CameraDescription {
             name: full_name(&camera.name),
@@ -82,6 +83,7 @@ fn scale_light(light: &mut Light, factor: f32) {
     use super::CameraLightAmount::{Intensity, Irradiance};
     let quantity = match light {
         Light::Point { intensity, .. } | Light::Spot { intensity, .. } => intensity,
+        Light::Photometric { factor, .. } => factor,
         Light::Directional { irradiance, .. } | Light::Sun { irradiance, .. } => irradiance,
         Light::Ambient { radiance } => radiance,
         Light::Camera { amount: Intensity(quantity) | Irradiance(quantity) } => quantity,
@@ -97,6 +99,10 @@ fn moved_light(light: &Light, by: DAffine3) -> Light {
             *position = by.transform_point3(*position);
             *direction = by.transform_vector3(*direction).normalize_or(*direction);
         }
+        Light::Photometric { position, rotation, .. } => {
+            *position = by.transform_point3(*position);
+            *rotation = by.to_scale_rotation_translation().1 * *rotation;
+        }
         Light::Directional { direction, .. } | Light::Sun { direction, .. } => {
             *direction = by.transform_vector3(*direction).normalize_or(*direction);
         }
@@ -105,9 +111,14 @@ fn moved_light(light: &Light, by: DAffine3) -> Light {
     moved
 }
 
-/// The camera moved; its lengths grow with the cube root of the volume.
+/// How lengths grow on average: by the cube root of the volume.
+fn growth(by: DAffine3) -> f64 {
+    by.matrix3.determinant().abs().cbrt()
+}
+
+/// The camera moved; its lengths grow on average.
 fn moved_camera(camera: &CameraDescription, by: DAffine3) -> CameraDescription {
-    let growth = by.matrix3.determinant().abs().cbrt();
+    let growth = growth(by);
     let mut projection = camera.projection;
     match &mut projection {
         Projection::Perspective { .. } => {}
@@ -157,7 +168,7 @@ mod tests {
                 material: 0,
                 transform: DAffine3::from_translation(DVec3::X),
             }],
-            lights: vec![LightDescription { name: "bulb".into(), light, shadows: true }],
+            lights: vec![LightDescription::new("bulb", light)],
             ..SceneDescription::default()
         }
     }

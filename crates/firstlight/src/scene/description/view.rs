@@ -142,15 +142,20 @@ impl Default for Filter {
 }
 
 /// How light is gathered.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Integrator {
-    /// The lecture's sum over the lights that are points or infinitely far away, at the surface that is seen.
+    /// The lecture's sum over all lights, at the surface that is seen.
     #[default]
     Direct,
     /// Every way light can take: from all lights, by any number of surfaces.
     Path {
         /// How many surfaces may reflect it at most; `None`: as many as it takes.
         bounces: Option<u32>,
+    },
+    /// How much of the sky each point sees, 0..1.
+    AmbientOcclusion {
+        /// Surfaces further away than this do not count, m; may be infinite.
+        distance: f64,
     },
 }
 

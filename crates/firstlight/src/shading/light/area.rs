@@ -1,6 +1,7 @@
 //! Surfaces that emit, as lights: their shapes, and which of them a ray has met.
 
 use super::shape::{CylinderSide, Ellipsoid, EllipticDisk, LightShape, Parallelogram, ShapeSample};
+use super::tree::LightBounds;
 use crate::geometry::{Analytic, Piece, Ray};
 use crate::shading::interaction::clearance;
 use glam::{DVec3, Vec3};
@@ -21,6 +22,12 @@ pub(crate) struct AreaLight {
 }
 
 impl AreaLight {
+    /// Where it is and how much it gives, if it emits `radiance` on average (W·sr⁻¹·m⁻²).
+    pub(crate) fn bounds(&self, radiance: f32) -> LightBounds {
+        let (bounds, cone) = self.shape.extent(self.two_sided);
+        LightBounds { bounds, cone, intensity: radiance * self.shape.widest() as f32 }
+    }
+
     /// A point of the light that sends light to `from`, picked by two numbers in 0..1.
     #[inline(always)]
     pub(crate) fn sample(&self, from: DVec3, u: glam::DVec2) -> Option<ShapeSample> {
@@ -59,12 +66,17 @@ impl AreaLights {
         self.lights.iter()
     }
 
-    /// The light that part `primitive` of `surface` is; `None` if it is none.
+    /// The light with this number.
     #[inline(always)]
-    pub(crate) fn find(&self, surface: u32, primitive: u32) -> Option<&AreaLight> {
+    pub(crate) fn get(&self, number: u32) -> &AreaLight {
+        &self.lights[number as usize]
+    }
+
+    /// The number of the light that part `primitive` of `surface` is; `None` if it is none.
+    #[inline(always)]
+    pub(crate) fn find(&self, surface: u32, primitive: u32) -> Option<u32> {
         let first = self.first[surface as usize]?;
-        let index = self.index_of[(first + primitive) as usize]?;
-        Some(&self.lights[index as usize])
+        self.index_of[(first + primitive) as usize]
     }
 }
 

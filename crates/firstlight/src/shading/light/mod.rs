@@ -2,12 +2,19 @@
 
 pub(crate) mod area;
 pub(crate) mod environment;
+mod round;
 pub(crate) mod shape;
+pub(crate) mod tree;
+mod web;
 
 use crate::color::Rgb;
-use crate::geometry::Ray;
-use crate::scene::description::SpotFalloff;
-use glam::{DVec3, Vec3};
+use crate::geometry::{Bounds, Ray};
+pub(crate) use round::RoundLight;
+
+use crate::scene::description::{PhotometricWeb, SpotFalloff};
+use glam::{DMat3, DVec3, Vec3};
+use std::sync::Arc;
+use tree::{EmissionCone, LightBounds};
 
 /// A light that reaches a point from one direction.
 #[derive(Debug, Clone)]
@@ -25,6 +32,8 @@ pub(crate) enum Source {
     Point { position: DVec3, intensity: Rgb },
     /// A point that shines into a cone; `intensity` in W·sr⁻¹ on its axis.
     Spot { position: DVec3, intensity: Rgb, cone: Cone },
+    /// A point that gives what was measured; `factor` in W·sr⁻¹·cd⁻¹.
+    Photometric { position: DVec3, to_luminaire: DMat3, web: Arc<PhotometricWeb>, factor: Rgb },
     /// Infinitely far away, in the unit direction `toward`; `irradiance` in W·m⁻².
     Directional { toward: Vec3, irradiance: Rgb },
     /// At a point, but of the same strength at any distance; `irradiance` in W·m⁻².
@@ -43,15 +52,31 @@ pub(crate) struct LightSample {
 }
 
 impl Light {
+    /// Where it is and how much it gives; `None` if it is everywhere alike.
+    pub(crate) fn bounds(&self) -> Option<LightBounds> {
+        let everywhere = EmissionCone::EVERYWHERE;
+        let (position, intensity, cone) = match &self.source {
+            Source::Point { position, intensity } => (position, *intensity, everywhere),
+            Source::Spot { position, intensity, cone } => (position, *intensity, cone.emission()),
+            Source::Photometric { position, web, factor, .. } => {
+                (position, *factor * web.brightest(), everywhere)
+            }
+            Source::Directional { .. } | Source::Headlight { .. } => return None,
+        };
+        let bounds = Bounds::around([position.as_vec3()]);
+        Some(LightBounds { bounds, cone, intensity: intensity.element_sum() / 3.0 })
+    }
+
     /// What reaches `point`; `None` if nothing does. In double precision, since near the rim of a spot a rounding
     /// error of the place would show.
     #[inline(always)]
     pub(crate) fn sample(&self, point: DVec3) -> Option<LightSample> {
         match &self.source {
-            Source::Point { position, intensity } => from_point(*position, *intensity, point),
-            Source::Spot { position, intensity, cone } => {
-                let share = cone.share(point - position);
-                (share > 0.0).then(|| from_point(*position, *intensity * share, point))?
+            Source::Point { position, .. }
+            | Source::Spot { position, .. }
+            | Source::Photometric { position, .. } => {
+                let intensity = self.source.intensity(point - position);
+                (intensity != Rgb::ZERO).then(|| from_point(*position, intensity, point))?
             }
             Source::Directional { toward, irradiance } => Some(LightSample {
                 incoming: *toward,
@@ -62,6 +87,31 @@ impl Light {
                 let sample = from_point(*position, *irradiance, point)?;
                 Some(LightSample { irradiance: *irradiance, ..sample })
             }
+        }
+    }
+}
+
+impl Source {
+    /// Where it is, m; `None` if it is infinitely far away or everywhere alike.
+    fn position(&self) -> Option<DVec3> {
+        match self {
+            Self::Point { position, .. }
+            | Self::Spot { position, .. }
+            | Self::Photometric { position, .. } => Some(*position),
+            Self::Directional { .. } | Self::Headlight { .. } => None,
+        }
+    }
+
+    /// Radiant intensity in a direction of any length, W·sr⁻¹; none if it is infinitely far away.
+    #[inline(always)]
+    fn intensity(&self, direction: DVec3) -> Rgb {
+        match self {
+            Self::Point { intensity, .. } => *intensity,
+            Self::Spot { intensity, cone, .. } => *intensity * cone.share(direction),
+            Self::Photometric { to_luminaire, web, factor, .. } => {
+                *factor * web.intensity(*to_luminaire * direction.normalize())
+            }
+            Self::Directional { .. } | Self::Headlight { .. } => Rgb::ZERO,
         }
     }
 }
@@ -104,6 +154,11 @@ impl Cone {
     /// A cone along the unit vector `axis`, with half angles in rad.
     pub(crate) fn new(axis: DVec3, inner: f64, outer: f64, falloff: SpotFalloff) -> Self {
         Self { axis, cos_inner: inner.cos(), cos_outer: outer.cos(), falloff }
+    }
+
+    fn emission(&self) -> EmissionCone {
+        let falloff = self.cos_outer.acos() as f32;
+        EmissionCone { axis: self.axis.as_vec3(), spread: 0.0, falloff, two_sided: false }
     }
 
     /// The fraction of the axis's intensity that goes in `direction`, 0..1.

@@ -10,7 +10,7 @@ use std::f64::consts::{FRAC_1_PI, PI, TAU};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Aim {
     /// In proportion to the light: right where nothing else looks for it.
-    #[cfg_attr(not(test), expect(dead_code, reason = "until direct light is gathered from it"))]
+    #[cfg(test)]
     Alone,
     /// Only at what is brighter than the mean, and the more so: the rest is left to directions picked by the BSDF,
     /// with which multiple importance sampling combines them.

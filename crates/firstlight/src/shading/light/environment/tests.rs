@@ -1,7 +1,7 @@
 //! The environment against closed forms, and its directions against their density.
 
 use super::*;
-use crate::scene::description::Texels;
+use crate::scene::description::{Pixels, Sampling, Texels};
 use crate::testing::{Random, chi_squared_z};
 use glam::{DVec2, DVec3, Vec4};
 use std::f64::consts::{PI, TAU};
@@ -82,7 +82,7 @@ fn check(environment: &Environment, what: &str) {
 fn every_sky_is_sampled_by_its_density() {
     for (name, sky) in skies() {
         for aim in [Aim::Alone, Aim::Compensated] {
-            let environment = Environment::new(sky.clone(), Rgb::ONE, turned(), aim);
+            let environment = Environment::new(&sky, Rgb::ONE, turned(), aim);
             let uniform = matches!(sky, Sky::Uniform);
             assert_eq!(environment.table.is_none(), uniform && aim == Aim::Compensated, "{name}");
             if environment.table.is_some() {
@@ -110,7 +110,7 @@ fn irradiance(environment: &Environment) -> (f64, f64) {
 
 #[track_caller]
 fn expect(sky: Sky, expected: f64) {
-    let environment = Environment::new(sky, Rgb::ONE, Mat3::IDENTITY, Aim::Alone);
+    let environment = Environment::new(&sky, Rgb::ONE, Mat3::IDENTITY, Aim::Alone);
     let (value, error) = irradiance(&environment);
     assert!(
         (value - expected).abs() < 4.0 * error + 1e-6 * expected,
@@ -148,7 +148,7 @@ fn pictures_hang_with_the_zenith_on_top_and_north_in_the_middle() {
     let at = |x, y| {
         let pixels = picture(8, 4, |column, row| f32::from((column, row) == (x, y)));
         let sky = Sky::Picture { pixels, sampling: Sampling::Nearest };
-        Environment::new(sky, Rgb::splat(2.0), Mat3::IDENTITY, Aim::Alone)
+        Environment::new(&sky, Rgb::splat(2.0), Mat3::IDENTITY, Aim::Alone)
     };
     let bright = |x, y, direction: Vec3| {
         assert_eq!(at(x, y).radiance(direction.normalize()), Rgb::splat(2.0), "{direction}");
@@ -165,7 +165,7 @@ fn pictures_hang_with_the_zenith_on_top_and_north_in_the_middle() {
 #[test]
 fn compensated_samples_and_others_together_miss_nothing() {
     for (name, sky) in skies() {
-        let of = |aim| Environment::new(sky.clone(), Rgb::ONE, turned(), aim);
+        let of = |aim| Environment::new(&sky, Rgb::ONE, turned(), aim);
         let (alone, compensated) = (of(Aim::Alone), of(Aim::Compensated));
         let (expected, error) = irradiance(&alone);
         let (mut random, uniform_pdf) = (Random::new(9), 0.25 / PI);
@@ -193,7 +193,7 @@ fn compensated_samples_and_others_together_miss_nothing() {
 #[test]
 fn a_black_sky_is_not_looked_at() {
     let sky = Sky::Picture { pixels: picture(8, 4, |_, _| 0.0), sampling: Sampling::Bilinear };
-    let environment = Environment::new(sky, Rgb::ONE, Mat3::IDENTITY, Aim::Alone);
+    let environment = Environment::new(&sky, Rgb::ONE, Mat3::IDENTITY, Aim::Alone);
     assert_eq!(environment.sample(Vec2::ZERO), None);
     assert_eq!(environment.pdf(Vec3::Z), 0.0);
 }

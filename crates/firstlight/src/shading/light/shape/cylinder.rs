@@ -1,6 +1,7 @@
 //! The side of a cylinder, and what affine maps make of it: sampled by the part that faces the eye.
 
-use super::ShapeSample;
+use super::{ShapeSample, box_around};
+use crate::geometry::Bounds;
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
@@ -41,6 +42,12 @@ impl CylinderSide {
             return 0.0;
         }
         to_light.length().powi(3) / (2.0 * half_width * cos_times_area.abs())
+    }
+
+    pub(super) fn bounds(&self) -> Bounds {
+        let DMat3 { x_axis: u, y_axis: v, z_axis: up } = self.axes;
+        let half = (u * u + v * v).map(f64::sqrt);
+        box_around(self.base, half).union(box_around(self.base + up, half))
     }
 
     /// Its area by midpoints all around, which is exact for round cylinders.

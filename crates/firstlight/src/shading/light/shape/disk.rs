@@ -1,6 +1,7 @@
 //! Disks, and what affine maps make of them: sampled by area.
 
-use super::ShapeSample;
+use super::{ShapeSample, box_around};
+use crate::geometry::Bounds;
 use crate::math::concentric;
 use glam::{DAffine3, DVec2, DVec3};
 use std::f64::consts::PI;
@@ -36,6 +37,15 @@ impl EllipticDisk {
     pub(super) fn pdf(&self, from: DVec3, position: DVec3) -> f64 {
         let to_light = position - from;
         to_light.length().powi(3) / (self.area * self.normal.dot(to_light).abs())
+    }
+
+    pub(super) fn normal(&self) -> DVec3 {
+        self.normal
+    }
+
+    pub(super) fn bounds(&self) -> Bounds {
+        let [u, v] = self.across;
+        box_around(self.center, (u * u + v * v).map(f64::sqrt))
     }
 
     pub(super) fn area(&self) -> f64 {

@@ -1,6 +1,7 @@
 //! Spheres, and what affine maps make of them: sampled by the cone that they fill.
 
-use super::ShapeSample;
+use super::{ShapeSample, box_around};
+use crate::geometry::Bounds;
 use crate::math::tangents;
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
@@ -26,7 +27,7 @@ impl Ellipsoid {
     }
 
     /// Every direction that meets it is picked alike if it is a sphere; of an ellipsoid, in the space of its sphere.
-    pub(super) fn sample(&self, from: DVec3, u: DVec2) -> Option<ShapeSample> {
+    pub(crate) fn sample(&self, from: DVec3, u: DVec2) -> Option<ShapeSample> {
         let eye = self.to_unit * (from - self.center);
         let outward =
             if eye.length_squared() > 1.0 { from_outside(eye, u) } else { inside(eye, u) };
@@ -46,6 +47,12 @@ impl Ellipsoid {
         // Solid angles grow by the volume over the cube of the length.
         let shrinking = from.distance(position) / eye.distance(at);
         self.growth * shrinking.powi(3) / steradians
+    }
+
+    pub(super) fn bounds(&self) -> Bounds {
+        let rows = self.axes.transpose();
+        let half = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length());
+        box_around(self.center, half)
     }
 
     /// By midpoints of equal parts of the sphere; no error for spheres, below 0.1 % for half axes of ratio 1 : 5.

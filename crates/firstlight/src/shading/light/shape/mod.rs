@@ -16,7 +16,10 @@ pub(crate) use disk::EllipticDisk;
 pub(crate) use ellipsoid::Ellipsoid;
 pub(crate) use polygon::{Parallelogram, Triangle};
 
+use super::tree::EmissionCone;
+use crate::geometry::Bounds;
 use glam::{DVec2, DVec3};
+use std::f64::consts::FRAC_1_PI;
 
 /// The shape of a light in the world.
 #[derive(Debug, Clone, Copy)]
@@ -73,6 +76,27 @@ impl LightShape {
         }
     }
 
+    /// A box around it, and where it shines to.
+    pub(crate) fn extent(&self, two_sided: bool) -> (Bounds, EmissionCone) {
+        let flat = |normal: DVec3| EmissionCone::flat(normal.as_vec3(), two_sided);
+        match self {
+            Self::Ellipsoid(shape) => (shape.bounds(), EmissionCone::EVERYWHERE),
+            Self::Disk(shape) => (shape.bounds(), flat(shape.normal())),
+            Self::Parallelogram(shape) => (shape.bounds(), flat(shape.normal())),
+            Self::Triangle(shape) => (shape.bounds(), flat(shape.normal())),
+            Self::CylinderSide(shape) => (shape.bounds(), EmissionCone::EVERYWHERE),
+        }
+    }
+
+    /// The largest area that it shows to any side, m².
+    pub(crate) fn widest(&self) -> f64 {
+        match self {
+            Self::Ellipsoid(shape) => 0.25 * shape.area(),
+            Self::CylinderSide(shape) => shape.area() * FRAC_1_PI,
+            _ => self.area(),
+        }
+    }
+
     /// Its area, one side, m².
     pub(crate) fn area(&self) -> f64 {
         match self {
@@ -83,6 +107,11 @@ impl LightShape {
             Self::CylinderSide(shape) => shape.area(),
         }
     }
+}
+
+/// A box around what reaches from `center` to `half` away along each axis.
+fn box_around(center: DVec3, half: DVec3) -> Bounds {
+    Bounds { lo: (center - half).as_vec3(), hi: (center + half).as_vec3() }
 }
 
 impl ShapeSample {

@@ -8,6 +8,7 @@
 //! over both.
 
 use super::ShapeSample;
+use crate::geometry::Bounds;
 use glam::{DAffine3, DVec2, DVec3};
 
 /// A triangle.
@@ -43,6 +44,16 @@ impl Triangle {
 
     pub(super) fn pdf(&self, from: DVec3) -> f64 {
         self.seen(from).solid_angle.recip()
+    }
+
+    pub(super) fn normal(&self) -> DVec3 {
+        self.edges[0].cross(self.edges[1]).normalize_or_zero()
+    }
+
+    pub(super) fn bounds(&self) -> Bounds {
+        let [u, v] = self.edges;
+        let ends = [DVec3::ZERO, u, v];
+        Bounds::around(ends.map(|end| (self.corner + end).as_vec3()))
     }
 
     pub(super) fn area(&self) -> f64 {
@@ -84,6 +95,16 @@ impl Parallelogram {
     pub(super) fn pdf(&self, from: DVec3) -> f64 {
         let fan = self.seen(from);
         1.0 / (fan[0].solid_angle + fan[1].solid_angle)
+    }
+
+    pub(super) fn normal(&self) -> DVec3 {
+        self.edges[0].cross(self.edges[1]).normalize_or_zero()
+    }
+
+    pub(super) fn bounds(&self) -> Bounds {
+        let [u, v] = self.edges;
+        let ends = [DVec3::ZERO, u, v, u + v];
+        Bounds::around(ends.map(|end| (self.corner + end).as_vec3()))
     }
 
     pub(super) fn area(&self) -> f64 {

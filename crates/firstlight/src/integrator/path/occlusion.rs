@@ -1,0 +1,83 @@
+//! Ambient occlusion: how much of a sky of radiance 1 a white surface would see, if nothing further away than a distance
+//! stood in between (Zhukov, Iones, Kronin, *An Ambient Light Illumination Model*, 1998).
+
+use super::{Answer, Path, Scratch, Vertex};
+use crate::color::Rgb;
+use crate::geometry::Ray;
+use crate::integrator::dimensions::Bounce;
+use crate::sampler::PathPoints;
+use crate::scene::Scene;
+use crate::shading::bsdf::Bsdf;
+use glam::{DVec3, Vec2, Vec3};
+
+/// Looks for the sky.
+pub(crate) struct Occlusion<'a> {
+    path: Path<'a>,
+    /// Surfaces further away than this do not count, m.
+    distance: f32,
+}
+
+impl<'a> Occlusion<'a> {
+    /// In `scene`, of surfaces nearer than `distance` (m).
+    pub(crate) fn new(scene: &'a Scene, transparent: bool, distance: f64) -> Self {
+        Self { path: Path::new(scene, transparent, Some(1)), distance: distance as f32 }
+    }
+
+    /// Openness, 0..1, of what each of `rays` meets, one sample each by its `points`, into `scratch.samples`; the
+    /// background where it meets nothing.
+    #[inline(always)]
+    pub(crate) fn gather(&self, rays: &[Ray], points: &[PathPoints], scratch: &mut Scratch) {
+        self.path.look(rays, scratch);
+        self.arrive(scratch);
+        self.ask_the_sky(points, scratch);
+    }
+
+    /// π times the openness at `position` of a surface that faces the unit vector `normal`, one sample for each of
+    /// `points`: the irradiance under a sky of radiance 1.
+    pub(crate) fn irradiance(
+        &self,
+        position: DVec3,
+        normal: Vec3,
+        points: &[PathPoints],
+        scratch: &mut Scratch,
+    ) {
+        self.path.stand(position, normal, points.len(), scratch);
+        self.ask_the_sky(points, scratch);
+    }
+
+    /// Makes white vertices of the surfaces that were met.
+    #[inline(always)]
+    fn arrive(&self, scratch: &mut Scratch) {
+        let Path { scene, transparent, .. } = self.path;
+        let Scratch { rays, walks, hits, vertices, samples, on_surface, .. } = scratch;
+        for ((ray, walk), hit) in rays.iter().zip(&*walks).zip(&*hits) {
+            let sample = &mut samples[walk.sample as usize];
+            if hit.is_some() {
+                on_surface.push(walk.sample);
+                let white = Bsdf::Lambert { reflectance: Rgb::ONE };
+                vertices.push(Vertex::new(*walk, ray, &scene.interaction(ray, hit), white));
+            } else if transparent {
+                sample.alpha = 0.0;
+            } else {
+                sample.radiance = scene.background;
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn ask_the_sky(&self, points: &[PathPoints], scratch: &mut Scratch) {
+        let pair = Bounce::new(0).direction();
+        self.path.ask(scratch, |vertex| {
+            self.light_from_sky(vertex, points[vertex.walk.sample as usize].pair(pair))
+        });
+    }
+
+    /// From a direction picked by its cosine, in which the sky may be.
+    #[inline(always)]
+    fn light_from_sky(&self, vertex: &Vertex, u: Vec2) -> Option<Answer> {
+        let Vertex { shading_normal, outgoing, bsdf, start, .. } = vertex;
+        let sample = bsdf.sample(*shading_normal, *outgoing, 0.0, u)?;
+        let ray = Ray { t_max: self.distance, ..Ray::new(*start, sample.incoming) };
+        Some(Answer { ray: Some(ray), radiance: sample.weight })
+    }
+}
