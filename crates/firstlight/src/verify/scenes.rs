@@ -68,7 +68,7 @@ pub fn add_mesh(scene: &mut SceneDescription, mesh: Mesh) {
 
 /// Adds a light.
 pub fn light(scene: &mut SceneDescription, light: Light) {
-    scene.lights.push(LightDescription { name: "light".into(), light, shadows: true });
+    scene.lights.push(LightDescription::new("light", light));
 }
 
 /// An isotropic point light by its power per channel, W.
