@@ -62,9 +62,15 @@ impl PathPoints {
 #[inline(always)]
 pub(crate) fn pairs(paths: &[PathPoints], number: u32, pairs: &mut Vec<Vec2>) {
     pairs.clear();
+    pairs.resize(paths.len(), Vec2::ZERO);
+    let mut rest = pairs.as_mut_slice();
     for paths in paths.chunk_by(|a, b| a.sequence == b.sequence) {
         let coins = Coins::new(paths[0].sequence, number);
-        pairs.extend(paths.iter().map(|path| coins.point(path.reversed)));
+        let (own, others) = rest.split_at_mut(paths.len());
+        for (pair, path) in own.iter_mut().zip(paths) {
+            *pair = coins.point(path.reversed);
+        }
+        rest = others;
     }
 }
 

@@ -125,13 +125,13 @@ fn smooth(interaction: &mut SurfaceInteraction, part: &MeshPart, corners: [Vec3;
     interaction.lift = lift(interaction.position, corners.map(in_world), normals, weights);
 }
 
-/// The unit normal, on the side that the ray comes from; against the ray if there is none.
+/// A unit normal, on the side that the ray comes from; against the ray if it is zero.
 #[inline(always)]
 fn facing(normal: Vec3, ray: &Ray) -> Vec3 {
-    match normal.try_normalize() {
-        Some(normal) if normal.dot(ray.direction) > 0.0 => -normal,
-        Some(normal) => normal,
-        None => -ray.direction,
+    match normal.dot(ray.direction) {
+        _ if normal == Vec3::ZERO => -ray.direction,
+        cos if cos > 0.0 => -normal,
+        _ => normal,
     }
 }
 
