@@ -127,7 +127,7 @@ pub(crate) struct RenderArgs {
 #[derive(Debug, Args)]
 pub(crate) struct OutputArgs {
     /// The picture; its extension says the format; - is standard output [default: the scene's name with .png]
-    #[arg(short, long = "output", value_name = "FILE")]
+    #[arg(short = 'o', long = "output", value_name = "FILE")]
     pub path: Option<PathBuf>,
     /// File format, if the extension does not say it (- is written as png)
     #[arg(long, value_enum)]

@@ -1,17 +1,21 @@
 //! What chance picks: moments, nets, and how fast errors fall.
 
+use super::closed_forms::{polygon, rectangle};
 use super::scenes::*;
-use super::statistics::slope;
-use super::{Case, Random, Readings, Tolerance};
+use super::statistics::{kolmogorov, normal_of_student, slope, upper_tail};
+use super::{Case, Random, Readings, Tolerance, chi_squared_z};
 use crate::camera::Camera;
 use crate::color::Rgb;
+use crate::integrator::Meter;
 use crate::sampler::Sampler;
+use crate::scene::Scene;
 use crate::scene::description::*;
 use crate::shading::bsdf::Bsdf;
 use crate::shading::light::environment::Sun;
 use crate::shading::light::shape::{LightShape, Triangle};
 use glam::{DVec2, DVec3, Vec2, Vec3};
-use std::f64::consts::{FRAC_PI_4, PI};
+use std::f64::consts::{FRAC_PI_4, PI, TAU};
+use std::sync::Arc;
 
 pub(super) const CASES: &[Case] = &[
     Case::sampled(
@@ -27,6 +31,15 @@ pub(super) const CASES: &[Case] = &[
         s02,
     )
     .within(Tolerance::Absolute(1e-7)),
+    Case::exact("S03-chi2", "directions that are sampled, against their density", "Pearson 1900", s03)
+        .within(Tolerance::Absolute(1e-3)),
+    Case::exact(
+        "S04-unbiasedness",
+        "a hundred renders each: how often chance makes them so far from the closed form is evenly distributed",
+        "Kolmogorov 1933; Jung, Hanika, Dachsbacher, JCGT 9(2), 2020",
+        s04,
+    )
+    .within(Tolerance::Relative(0.0)),
     Case::exact(
         "S05-convergence",
         "how the error of a smooth integral and of an edge falls from 16 to 16384 samples",
@@ -84,6 +97,87 @@ fn s02(readings: &mut Readings) {
     for (index, expected) in [0.5, 0.25, 0.75, 0.125, 0.625].into_iter().enumerate() {
         let point = Sampler::unscrambled(index as u32 + 1);
         readings.exact(format!("b2({})", index + 1), point.x, expected);
+    }
+}
+
+/// Counts of a million directions over a grid against the integrals of their density, which are 1 in all.
+fn directions(
+    readings: &mut Readings,
+    at: &str,
+    sample: impl Fn(Vec2) -> Option<Vec3>,
+    pdf: impl Fn(Vec3) -> f32,
+) {
+    let (columns, rows, parts) = (48, 24, 20);
+    let mut shares = vec![0.0; columns * rows];
+    let size = DVec2::new((columns * parts) as f64, (rows * parts) as f64);
+    for (i, j) in (0..columns * parts).flat_map(|i| (0..rows * parts).map(move |j| (i, j))) {
+        let st = DVec2::new(i as f64 + 0.5, j as f64 + 0.5) / size;
+        let z = 1.0 - 2.0 * st.y;
+        let toward = (DVec2::from_angle(TAU * st.x) * (1.0 - z * z).sqrt()).extend(z);
+        let density = f64::from(pdf(toward.as_vec3()));
+        shares[j / parts * columns + i / parts] += density * 4.0 * PI / (size.x * size.y);
+    }
+    let (mut counts, mut random) = (vec![0; columns * rows], Random::new(3));
+    for _ in 0..1_000_000 {
+        let u = Vec2::new(random.unit() as f32, random.unit() as f32);
+        let Some(direction) = sample(u).map(|direction| direction.as_dvec3()) else { continue };
+        let around = direction.truncate().to_angle().rem_euclid(TAU) / TAU;
+        let column = (around * columns as f64) as usize;
+        let row = (0.5 * (1.0 - direction.z) * rows as f64) as usize;
+        counts[row.min(rows - 1) * columns + column.min(columns - 1)] += 1;
+    }
+    readings.at_most(format!("{at}, chi2 z"), chi_squared_z(&counts, &shares), 4.5);
+    let off = (shares.iter().sum::<f64>() - 1.0).abs();
+    readings.at_most(format!("{at}, integral of the density off by"), off, 1e-3);
+}
+
+fn s03(readings: &mut Readings) {
+    let matte = Bsdf::Lambert { reflectance: Rgb::ONE };
+    let reflected = |u| matte.sample(Vec3::Z, Vec3::Z, 0.0, u).map(|sample| sample.incoming);
+    directions(readings, "matte", reflected, |d| if d.z > 0.0 { matte.pdf(d.z) } else { 0.0 });
+    let [zenith, horizon, nadir] = [0.2, 1.5, 0.4].map(Rgb::splat);
+    let texel = |i: u32| [((i * 7919) % 23) as f32; 4];
+    let texels = Texels::Linear((0..16 * 8).map(texel).collect());
+    let pixels = Arc::new(Pixels { name: "sky".into(), width: 16, height: 8, texels });
+    for (at, sky) in [
+        ("gradient", Sky::Gradient { zenith, horizon, nadir }),
+        ("picture", Sky::Picture { pixels, sampling: Sampling::Nearest }),
+    ] {
+        let mut scene = scene_for_paths(0.5);
+        scene.environment = under(sky, 1.0);
+        let scene = Scene::build(&scene);
+        let Some((sky, _)) = &scene.environment else { continue };
+        directions(readings, at, |u| sky.sample(u).map(|sample| sample.incoming), |d| sky.pdf(d));
+    }
+}
+
+/// The probability of being further above the expected value, by chance, for measurements with other seeds.
+fn s04(readings: &mut Readings) {
+    let below = |shape: Shape| {
+        let mut scene = scene_for_paths(0.5);
+        add_with(&mut scene, shape, 1);
+        scene
+    };
+    let square = rectangle(v(-0.5, -0.5, 1.0), DVec3::X, DVec3::Y);
+    let mut furnace = scene_for_paths(0.0);
+    furnace.materials[0] = glowing(0.5, 0.5);
+    add(&mut furnace, ball(v(0.0, 0.0, 0.9), 1.0));
+    for (at, mut scene, expected) in [
+        ("square", below(panel(DVec3::Z, 1.0, 1.0)), polygon(DVec3::ZERO, DVec3::Z, &square)),
+        ("sphere", below(ball(v(0.0, 0.0, 2.0), 0.5)), PI / 16.0),
+        ("furnace", furnace, PI),
+    ] {
+        let probability = |seed| {
+            scene.film.seed = seed;
+            let built = Scene::build(&scene);
+            let measured = Meter::new(&built).samples(512).irradiance(DVec3::ZERO, DVec3::Z);
+            let off = f64::from(measured.value.x) - expected;
+            let freedom = f64::from(Meter::SEQUENCES - 1);
+            let z = normal_of_student(off / f64::from(measured.standard_error.x), freedom);
+            if z > 0.0 { upper_tail(z) } else { 1.0 - upper_tail(-z) }
+        };
+        let distance = kolmogorov((0..100).map(probability).collect());
+        readings.at_most(format!("{at}, Kolmogorov distance · √n"), distance, 1.95);
     }
 }
 
