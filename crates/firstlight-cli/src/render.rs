@@ -8,9 +8,7 @@ use crate::output::{Output, print_json};
 use crate::report::{self, Bar};
 use crate::{Exit, Failure, Outcome, studio, verdict};
 use firstlight::diagnostic::{Diagnostic, Result, visible};
-use firstlight::io::{
-    Develop, FileAccess, Format, Metadata, Part, PartInfo, Warnings, save, save_part,
-};
+use firstlight::io::{Develop, FileAccess, Format, Metadata, PartInfo, Warnings, save, save_part};
 use firstlight::render::{
     Crop, PASS as SAMPLES_PER_PASS, Progress, RenderOptions, Rendered, Stop, render, with_threads,
 };
@@ -21,7 +19,9 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 /// Bytes of memory per pixel: the film's sums and the picture that becomes of them.
-const PIXEL_BYTES: u64 = 112;
+const PIXEL_BYTES: u64 = 96;
+/// Bytes of memory per pixel of a part: the sums three times over, on their way to the file.
+const PART_PIXEL_BYTES: u64 = 352;
 
 /// A picture with what it takes to show it.
 pub(crate) struct Picture {
@@ -39,7 +39,7 @@ pub(crate) fn run(args: RenderArgs) -> Outcome {
     let access = args.input.access();
     let scene = with_threads(threads, || prepare(&args, &access, &mut warnings))?;
     output.spare(&access.opened())?;
-    check_size(&scene, args.crop)?;
+    check_size(&scene, &args)?;
     check_samples(&scene, args.samples)?;
     warnings.extend(verdict::foresee(&scene));
     warnings.extend(verdict::opaque(&scene, output.format));
@@ -113,9 +113,9 @@ fn check_samples(scene: &SceneDescription, samples: Option<[u32; 2]>) -> Result<
 }
 
 /// Whether the crop lies inside the picture, and the picture inside the memory there is.
-fn check_size(scene: &SceneDescription, crop: Option<Crop>) -> Result<()> {
+fn check_size(scene: &SceneDescription, args: &RenderArgs) -> Result<()> {
     let (width, height) = (scene.film.width, scene.film.height);
-    let crop = crop.unwrap_or(Crop { x: 0, y: 0, width, height });
+    let crop = args.crop.unwrap_or(Crop { x: 0, y: 0, width, height });
     let inside =
         |start: u32, length: u32, end: u32| u64::from(start) + u64::from(length) <= end.into();
     if !inside(crop.x, crop.width, width) || !inside(crop.y, crop.height, height) {
@@ -123,7 +123,8 @@ fn check_size(scene: &SceneDescription, crop: Option<Crop>) -> Result<()> {
         let message = format!("{x},{y},{w},{h} reaches beyond the picture of {width} × {height}");
         return Err(Box::new(Diagnostic::new("--crop", message)));
     }
-    let needed = u64::from(crop.width) * u64::from(crop.height) * PIXEL_BYTES;
+    let pixel_bytes = args.samples.map_or(PIXEL_BYTES, |_| PART_PIXEL_BYTES);
+    let needed = u64::from(crop.width) * u64::from(crop.height) * pixel_bytes;
     match machine::available_memory() {
         Some(available) if needed > available => Err(too_large(crop, needed, available)),
         _ => Ok(()),
@@ -239,8 +240,8 @@ fn write(
     if args.samples.is_none() {
         return write_picture(&info, picture, output);
     }
-    let part = Part { info, film: picture.rendered.film.clone() };
-    let bytes = save_part(&part).map_err(|error| Failure { exit: Exit::Failed, error })?;
+    let saved = save_part(&info, &picture.rendered.film);
+    let bytes = saved.map_err(|error| Failure { exit: Exit::Failed, error })?;
     output.write(&bytes)
 }
 

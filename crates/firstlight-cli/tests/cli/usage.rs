@@ -83,7 +83,7 @@ fn memory_is_asked_for_before_it_is_used() {
         return;
     };
     let ran = folder.run("render scene.toml -r 32768x32768");
-    ran.fails(2, &["needs 65536 MiB of memory;", "MiB are available", "--crop"]);
+    ran.fails(2, &["needs 98304 MiB of memory;", "MiB are available", "--crop"]);
     assert!(available > 0);
     // A part of it is no problem.
     folder.run("render scene.toml -q -r 32768x32768 --crop 16000,16000,4,4").done();

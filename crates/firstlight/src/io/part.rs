@@ -60,16 +60,16 @@ const ATTRIBUTE: &str = "firstlightPart";
 ///
 /// # Errors
 /// If it is too large for the format.
-pub fn save_part(part: &Part) -> Result<Vec<u8>> {
+pub fn save_part(info: &PartInfo, film: &Film) -> Result<Vec<u8>> {
     let refused = |cause: &dyn std::error::Error| {
         Box::new(Diagnostic::new("", format!("the part cannot be encoded: {cause}")))
     };
-    let info = serde_json::to_string(&part.info).map_err(|error| refused(&error))?;
-    let image = part.film.image();
+    let info = serde_json::to_string(info).map_err(|error| refused(&error))?;
+    let image = film.image();
     let picture = ["R", "G", "B", "A"].into_iter().enumerate();
     let picture =
         picture.map(|(i, name)| AnyChannel::new(name, plane(&image, i, Precision::Float)));
-    let words = part.film.rows(|pixel| pixel.to_words());
+    let words = film.rows(|pixel| pixel.to_words());
     let sums = (0..Pixel::WORDS).map(|i| {
         let values = words.iter().map(|words| words[i]).collect();
         AnyChannel::new(channel_name(i).as_str(), FlatSamples::U32(values))

@@ -135,7 +135,12 @@ impl Readings {
 
     /// What a meter shows in its first channel, well enough for the tolerance; where that is cheap, well enough to find a
     /// bias of half the tolerance in a table of hundreds of readings.
-    fn meter(&mut self, at: impl ToString, measure: impl Fn(u32) -> Measurement, expected: f64) {
+    pub(super) fn meter(
+        &mut self,
+        at: impl ToString,
+        measure: impl Fn(u32) -> Measurement,
+        expected: f64,
+    ) {
         let allowed = self.tolerance.of(expected);
         let mut samples = FEWEST_SAMPLES;
         let measured = loop {

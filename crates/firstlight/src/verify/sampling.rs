@@ -107,7 +107,7 @@ fn directions(
     sample: impl Fn(Vec2) -> Option<Vec3>,
     pdf: impl Fn(Vec3) -> f32,
 ) {
-    let (columns, rows, parts) = (48, 24, 20);
+    let (columns, rows, parts) = (48, 24, 40);
     let mut shares = vec![0.0; columns * rows];
     let size = DVec2::new((columns * parts) as f64, (rows * parts) as f64);
     for (i, j) in (0..columns * parts).flat_map(|i| (0..rows * parts).map(move |j| (i, j))) {
