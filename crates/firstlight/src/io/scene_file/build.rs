@@ -12,7 +12,8 @@ use crate::diagnostic::{Diagnostic, Result};
 use crate::io::model::{self, Format, UpAxis, upright};
 use crate::io::{FileAccess, Warnings};
 use crate::scene::description::{
-    LuminousEfficacy, Material, Part, SceneDescription, Shape, Surface, Texture, Up,
+    Integrator, LuminousEfficacy, Material, Part, SceneDescription, Shadows, Shape, Surface,
+    Texture, Up,
 };
 use crate::suggest::{did_you_mean, quoted};
 use glam::{DAffine3, DVec3};
@@ -91,7 +92,18 @@ pub(super) fn build(
         builder.add_instance(&name, instance)?;
     }
     warnings.extend(builder.scene.leave_out_far_triangles(document.name));
+    warnings.extend(unheeded_shadows(&builder.scene, document.name));
     Ok(builder.scene)
+}
+
+/// A word about a setting that only the lecture's sum heeds.
+fn unheeded_shadows(scene: &SceneDescription, name: &str) -> Option<Diagnostic> {
+    let heeded = scene.integrator == Integrator::Direct && scene.is_lecture();
+    (scene.shadows != Shadows::Robust && !heeded).then(|| {
+        let message = "shadows has no effect here: shadows are robust";
+        let help = "it is for the integrator \"direct\", points and parallel light";
+        Diagnostic::new(name, message).help(help)
+    })
 }
 
 impl Builder<'_> {

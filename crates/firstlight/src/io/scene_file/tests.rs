@@ -302,6 +302,21 @@ fn a_sun_that_has_set_is_told() {
 }
 
 #[test]
+fn a_way_of_shadows_that_is_not_heeded_is_told() {
+    let warnings = |text: &str| {
+        let mut warnings = Warnings::new();
+        let access = FileAccess::beside(Path::new("scene.toml"), &[]);
+        read(text, "scene.toml", &[], &access, &mut warnings).unwrap();
+        warnings.len()
+    };
+    let lamp = "[lights.a.point]\nposition = [0, 0, 1]\npower = 1\n";
+    assert_eq!(warnings(&format!("shadows = 'naive'\n{lamp}")), 0);
+    assert_eq!(warnings(&format!("shadows = 'naive'\nintegrator = 'path'\n{lamp}")), 1);
+    assert_eq!(warnings(&format!("shadows = 'off'\n{lamp}radius = 1")), 1);
+    assert_eq!(warnings(&format!("integrator = 'path'\n{lamp}radius = 1")), 0);
+}
+
+#[test]
 fn luminaires_are_read_and_aimed() {
     let photometric = |keys: &str| {
         let lamp = format!("file = 'lamp.ies', position = [0, 0, 3], {keys}");
