@@ -33,8 +33,7 @@ fn glowing(radiance: f32, reflectance: f32) -> Material {
 }
 
 fn mirror(mirrored: f32) -> Material {
-    let mirrored = Texture::constant(Vec3::splat(mirrored));
-    Material { mirrored, ..Material::matte("mirror", Vec3::ZERO) }
+    Material::mirror("mirror", Vec3::splat(mirrored))
 }
 
 fn add_with(scene: &mut SceneDescription, shape: Shape, material: usize) {
@@ -507,8 +506,7 @@ fn c05_box_with_few_reflections() {
 #[test]
 fn c06_box_of_matte_mirrors() {
     let mut scene = scene_for_paths(0.0);
-    scene.materials[0] =
-        Material { mirrored: Texture::constant(Vec3::splat(0.5)), ..glowing(0.25, 0.25) };
+    scene.materials[0] = Material { scattering: mirror(0.5).scattering, ..glowing(0.25, 0.25) };
     add(&mut scene, cube(DVec3::ZERO, 2.0));
     expect_seen(&scene, v(0.2, 0.1, -0.3), v(1.0, 2.0, 3.0), 1.0);
 }
@@ -604,8 +602,7 @@ fn c17_corridor_of_mirrors() {
 fn c21_isothermal_room() {
     let mut scene = scene_for_paths(0.0);
     scene.materials = [0.2, 0.5, 0.9].map(|r| glowing(1.0 - r, r)).to_vec();
-    let mirrored = Texture::constant(Vec3::splat(0.6));
-    scene.materials.push(Material { mirrored, ..glowing(0.3, 0.1) });
+    scene.materials.push(Material { scattering: mirror(0.6).scattering, ..glowing(0.3, 0.1) });
     add_with(&mut scene, cube(DVec3::ZERO, 2.0), 1);
     add_with(&mut scene, ball(v(0.3, 0.2, -0.5), 0.4), 0);
     add_with(&mut scene, ball(v(-0.4, 0.1, 0.3), 0.3), 3);

@@ -7,7 +7,7 @@
 use super::{Bounds, Ray};
 use crate::math::tangents;
 use crate::scene::description::{Block, Cone, Cylinder, Disk, Plane, Quad, Sphere};
-use glam::{DAffine3, DMat3, DVec2, DVec3};
+use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
 use std::f64::consts::TAU;
 
 /// A unit shape and where it is.
@@ -212,6 +212,13 @@ impl Analytic {
         AnalyticPoint { position: self.to_world.transform_point3(local), normal, uv }
     }
 
+    /// The direction in which u grows and v does not, of any length, at a point on the surface.
+    pub(crate) fn tangent(&self, position: DVec3, part: u32) -> Vec3 {
+        let local = self.to_object.transform_point3(position);
+        let tangent = self.to_world.transform_vector3(self.kind.tangent(local, part));
+        tangent.normalize_or_zero().as_vec3()
+    }
+
     /// Size of the numbers that positions are computed from, m: their rounding error is ε times this.
     pub(crate) fn magnitude(&self) -> f64 {
         self.magnitude
@@ -243,6 +250,15 @@ impl Kind {
                 both(cylinder_side(o, d), |t| (0.0..=1.0).contains(&(o.z + t * d.z)))
             }
             Self::Cone { capped } => cone(o, d, capped),
+        }
+    }
+
+    /// Where u grows and v does not, at a point of `part`.
+    fn tangent(self, p: DVec3, part: u32) -> DVec3 {
+        match (self, part) {
+            (Self::Plane | Self::Quad, _) => DVec3::X,
+            (Self::Cube, face) => DMat3::IDENTITY.col((face / 2 + 1) as usize % 3),
+            _ => DVec3::new(-p.y, p.x, 0.0),
         }
     }
 

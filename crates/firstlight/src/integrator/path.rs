@@ -5,20 +5,22 @@
 //! balance heuristic; Veach 1997 §9.2), so that nothing is counted twice. Batches of paths go through the stages
 //! together, bounce by bounce; what one path gathers depends on no other.
 
-use super::RayCounts;
 use super::dimensions::Bounce;
+use super::media::Media;
+use super::{RayCounts, panes};
 use crate::color::Rgb;
 use crate::film::Sample;
 use crate::geometry::{Hit, Ray};
 use crate::sampler::PathPoints;
-use crate::scene::{Scene, SeenByCamera, StopsLight};
-use crate::shading::bsdf::Bsdf;
+use crate::scene::{Meets, Scene, SeenByCamera, StopsLight};
+use crate::shading::bsdf::{Bsdf, Frame, Kind, Lobe};
 use crate::shading::interaction::{SurfaceInteraction, clearance};
 use crate::shading::light::Light;
 use crate::shading::light::area::AreaLight;
 use crate::shading::light::environment::EnvironmentSample;
 use glam::{DVec2, DVec3, Vec3};
 use std::f32::consts::PI;
+use std::ops::Range;
 
 /// Up to this reflection, paths end only where nothing is left of them.
 const SAFE_BOUNCES: u32 = 4;
@@ -41,6 +43,8 @@ pub(crate) struct Scratch {
     walks: Vec<Walk>,
     hits: Vec<Hit>,
     vertices: Vec<Vertex>,
+    /// What the vertices' surfaces do with light.
+    lobes: Vec<Lobe>,
     shadow_rays: Vec<Ray>,
     awaited: Vec<Awaited>,
     occluded: Vec<bool>,
@@ -61,20 +65,29 @@ struct Walk {
     throughput: Rgb,
     /// Density with which the last direction was picked, sr⁻¹; infinite if there was no other.
     pdf: f32,
-    /// Whether only mirrors lie between the eye and the last ray.
-    mirrors_only: bool,
+    /// Where it was picked, m: panes that were passed since do not count.
+    from: Vec3,
+    /// Whether only mirrors and clear glass lie between the eye and the last ray.
+    sharp_only: bool,
+    /// The solids that it is in.
+    media: Media,
+    /// The colour channel that it is followed for, once glass has torn colours apart.
+    channel: Option<u8>,
 }
 
-/// A point where a path is reflected.
+/// A point where a path is scattered.
 struct Vertex {
     walk: Walk,
     /// Where it is, m.
     position: Vec3,
-    /// Where rays leave it.
-    start: Vec3,
-    shading_normal: Vec3,
+    /// Where rays leave it on the side that the path came from, and on the other.
+    starts: [Vec3; 2],
+    frame: Frame,
     outgoing: Vec3,
-    bsdf: Bsdf,
+    /// Its lobes among all.
+    lobes: Range<u32>,
+    /// The solids on the other side.
+    beyond: Media,
 }
 
 /// Light that reaches the eye if nothing is in the way.
@@ -98,7 +111,7 @@ impl<'a> Path<'a> {
         scratch.walks.extend((0..rays.len() as u32).map(Walk::from_eye));
         let filter = SeenByCamera(self.scene, 0);
         self.scene.world.closest_hits(&scratch.rays, &filter, &mut scratch.hits);
-        self.arrive(0, scratch);
+        self.arrive(0, points, scratch);
         self.follow(points, scratch);
     }
 
@@ -113,16 +126,17 @@ impl<'a> Path<'a> {
     ) {
         let position = position.as_vec3();
         let start = position + clearance(normal, position.abs(), 0.0) * normal;
-        let bsdf = Bsdf::Lambert { reflectance: Rgb::splat(PI) };
         scratch.begin(points.len());
+        scratch.lobes.push(Lobe { kind: Kind::Lambert, weight: Rgb::splat(PI), share: 1.0 });
         scratch.samples.iter_mut().for_each(|sample| sample.radiance = PI * self.scene.ambient);
         scratch.vertices.extend((0..points.len() as u32).map(|sample| Vertex {
-            walk: Walk { mirrors_only: false, ..Walk::from_eye(sample) },
+            walk: Walk { sharp_only: false, ..Walk::from_eye(sample) },
             position,
-            start,
-            shading_normal: normal,
+            starts: [start; 2],
+            frame: Frame::around(normal),
             outgoing: normal,
-            bsdf,
+            lobes: 0..1,
+            beyond: Media::default(),
         }));
         self.follow(points, scratch);
     }
@@ -136,19 +150,20 @@ impl<'a> Path<'a> {
             }
             let pairs = Bounce::new(bounce);
             self.add_lights(pairs, points, scratch);
-            scatter(bounce, pairs, points, scratch);
+            scatter(self.scene, bounce, pairs, points, scratch);
             scratch.counts.bounce += scratch.rays.len() as u64;
-            let filter = StopsLight(self.scene, 0);
+            let filter = Meets(self.scene, 0);
             self.scene.world.closest_hits(&scratch.rays, &filter, &mut scratch.hits);
-            self.arrive(bounce + 1, scratch);
+            self.arrive(bounce + 1, points, scratch);
         }
     }
 
     /// Adds what comes along each ray, and makes vertices of the surfaces that were met.
     #[inline(always)]
-    fn arrive(&self, bounce: u32, scratch: &mut Scratch) {
-        let Scratch { rays, walks, hits, vertices, samples, on_surface, .. } = scratch;
+    fn arrive(&self, bounce: u32, points: &[PathPoints], scratch: &mut Scratch) {
+        let Scratch { rays, walks, hits, vertices, lobes, samples, on_surface, .. } = scratch;
         vertices.clear();
+        lobes.clear();
         for ((ray, walk), hit) in rays.iter().zip(&*walks).zip(&*hits) {
             let sample = &mut samples[walk.sample as usize];
             if !hit.is_some() {
@@ -164,27 +179,50 @@ impl<'a> Path<'a> {
             }
             let surface = self.scene.interaction(ray, hit);
             let material = self.scene.material(hit);
-            let emitted = self.scene.emitted(material, &surface);
-            if emitted != Rgb::ZERO {
-                let weight = self.weight_of_emission(walk, ray, &surface);
-                sample.radiance += walk.throughput * emitted * weight;
-            }
-            if self.scene.ambient != Rgb::ZERO {
-                let reflected = self.scene.ambient_reflectance(material, &surface);
-                sample.radiance += walk.throughput * reflected * self.scene.ambient;
-            }
-            let bsdf = self.scene.bsdf(material, &surface);
-            if bsdf.is_black() {
-                continue;
-            }
-            vertices.push(Vertex {
-                walk: *walk,
-                position: surface.position,
-                start: surface.ray_origin(),
-                shading_normal: surface.shading_normal,
-                outgoing: -ray.direction,
-                bsdf,
+            let mut walk = *walk;
+            let crossing = material.interior.map(|interior| {
+                if interior.dispersion > 0.0 && walk.channel.is_none() {
+                    let pair = Bounce::new(bounce).channel();
+                    walk.follow_channel(points[walk.sample as usize].pair(pair).x);
+                }
+                let index = self.scene.material_of[hit.surface as usize];
+                walk.media.cross(self.scene, index, surface.front, walk.channel)
             });
+            walk.media = crossing.map_or(walk.media, |crossing| crossing.before);
+            if let Some(interior) = walk.media.interior(self.scene) {
+                walk.throughput *= interior.transmittance(hit.t);
+            }
+            let mut vertex = Vertex {
+                walk,
+                position: surface.position,
+                starts: [surface.ray_origin(), surface.behind()],
+                frame: Frame::around(surface.shading_normal),
+                outgoing: -ray.direction,
+                lobes: lobes.len() as u32..lobes.len() as u32,
+                beyond: crossing.map_or(walk.media, |crossing| crossing.beyond),
+            };
+            let boundary = crossing.and_then(|crossing| crossing.boundary);
+            if crossing.is_some() && boundary.is_none() {
+                lobes.push(Lobe { kind: Kind::Straight, weight: Rgb::ONE, share: 1.0 });
+            } else {
+                let emitted = self.scene.emitted(material, &surface);
+                if emitted != Rgb::ZERO {
+                    let weight = self.weight_of_emission(&walk, &surface);
+                    sample.radiance += walk.throughput * emitted * weight;
+                }
+                let (frame, scattered) =
+                    self.scene.add_lobes(material, &surface, vertex.outgoing, boundary, lobes);
+                vertex.frame = frame;
+                if self.scene.ambient != Rgb::ZERO {
+                    let reflected = self.scene.ambient_reflectance(material, &surface);
+                    let reflected = reflected.unwrap_or(scattered);
+                    sample.radiance += walk.throughput * reflected * self.scene.ambient;
+                }
+            }
+            vertex.lobes.end = lobes.len() as u32;
+            if !vertex.lobes.is_empty() {
+                vertices.push(vertex);
+            }
         }
     }
 
@@ -201,7 +239,7 @@ impl<'a> Path<'a> {
                 let weight = balance(walk.pdf, environment.pdf(ray.direction));
                 environment.radiance(ray.direction) * weight
             }
-            _ if walk.mirrors_only => self.scene.background,
+            _ if walk.sharp_only => self.scene.background,
             _ => Rgb::ZERO,
         };
         sky + suns.sum::<Rgb>()
@@ -209,11 +247,11 @@ impl<'a> Path<'a> {
 
     /// The part of what a surface emits that lights were not asked for.
     #[inline(always)]
-    fn weight_of_emission(&self, walk: &Walk, ray: &Ray, surface: &SurfaceInteraction) -> f32 {
+    fn weight_of_emission(&self, walk: &Walk, surface: &SurfaceInteraction) -> f32 {
         let Hit { surface: index, primitive, .. } = surface.hit;
         let found = self.scene.area_lights.find(index, primitive);
         let Some(light) = found.filter(|_| walk.pdf.is_finite()) else { return 1.0 };
-        let pdf = light.shape.pdf(ray.origin.as_dvec3(), surface.position.as_dvec3());
+        let pdf = light.shape.pdf(walk.from.as_dvec3(), surface.position.as_dvec3());
         balance(walk.pdf, pdf as f32)
     }
 
@@ -221,25 +259,26 @@ impl<'a> Path<'a> {
     #[inline(always)]
     fn add_lights(&self, pairs: Bounce, points: &[PathPoints], scratch: &mut Scratch) {
         for light in &self.scene.lights {
-            self.ask(light.shadows, scratch, |vertex| vertex.light_from(light));
+            self.ask(light.shadows, scratch, |vertex, lobes| vertex.light_from(lobes, light));
         }
         for (number, light) in self.scene.area_lights.iter().enumerate() {
             let pair = pairs.light(number as u32);
-            self.ask(true, scratch, |vertex| {
+            self.ask(true, scratch, |vertex, lobes| {
                 let u = points[vertex.walk.sample as usize].pair(pair);
-                vertex.light_from_area(self.scene, light, u.as_dvec2())
+                vertex.light_from_area(lobes, self.scene, light, u.as_dvec2())
             });
         }
         for (number, sun) in self.scene.suns.iter().enumerate() {
             let pair = pairs.sun(number as u32);
-            self.ask(true, scratch, |vertex| {
-                vertex.light_from_afar(sun.sample(points[vertex.walk.sample as usize].pair(pair)))
+            self.ask(true, scratch, |vertex, lobes| {
+                let u = points[vertex.walk.sample as usize].pair(pair);
+                vertex.light_from_afar(lobes, sun.sample(u))
             });
         }
         if let Some((environment, _)) = &self.scene.environment {
-            self.ask(true, scratch, |vertex| {
+            self.ask(true, scratch, |vertex, lobes| {
                 let u = points[vertex.walk.sample as usize].pair(pairs.environment());
-                vertex.light_from_afar(environment.sample(u)?)
+                vertex.light_from_afar(lobes, environment.sample(u)?)
             });
         }
     }
@@ -250,13 +289,14 @@ impl<'a> Path<'a> {
         &self,
         shadows: bool,
         scratch: &mut Scratch,
-        light: impl Fn(&Vertex) -> Option<(Ray, Rgb)>,
+        light: impl Fn(&Vertex, &[Lobe]) -> Option<(Ray, Rgb)>,
     ) {
-        let Scratch { vertices, shadow_rays, awaited, occluded, samples, counts, .. } = scratch;
+        let Scratch { vertices, lobes, shadow_rays, awaited, occluded, samples, counts, .. } =
+            scratch;
         shadow_rays.clear();
         awaited.clear();
         for vertex in vertices.iter() {
-            let Some((ray, radiance)) = light(vertex) else { continue };
+            let Some((ray, radiance)) = light(vertex, lobes) else { continue };
             let sample = vertex.walk.sample;
             let radiance = vertex.walk.throughput * radiance;
             if shadows {
@@ -268,31 +308,46 @@ impl<'a> Path<'a> {
         }
         counts.shadow += shadow_rays.len() as u64;
         self.scene.world.occluded(shadow_rays, &StopsLight(self.scene, 0), occluded);
-        for (awaited, _) in awaited.iter().zip(&*occluded).filter(|(_, occluded)| !**occluded) {
-            samples[awaited.sample as usize].radiance += awaited.radiance;
+        for ((awaited, ray), _) in
+            awaited.iter().zip(&*shadow_rays).zip(&*occluded).filter(|(_, occluded)| !**occluded)
+        {
+            let tint = panes::tint(self.scene, ray, 0);
+            samples[awaited.sample as usize].radiance += awaited.radiance * tint;
         }
     }
 }
 
 /// Sends each path on in a direction that its BSDF picks, or ends it.
 #[inline(always)]
-fn scatter(bounce: u32, pairs: Bounce, points: &[PathPoints], scratch: &mut Scratch) {
-    let Scratch { vertices, rays, walks, .. } = scratch;
+fn scatter(
+    scene: &Scene,
+    bounce: u32,
+    pairs: Bounce,
+    points: &[PathPoints],
+    scratch: &mut Scratch,
+) {
+    let Scratch { vertices, lobes, rays, walks, .. } = scratch;
     rays.clear();
     walks.clear();
-    for Vertex { walk, start, shading_normal, outgoing, bsdf, .. } in vertices.iter() {
+    for vertex in vertices.iter() {
+        let walk = &vertex.walk;
         let points = &points[walk.sample as usize];
         let (choice, u) = (points.pair(pairs.choice()), points.pair(pairs.direction()));
-        let Some(sample) = bsdf.sample(*shading_normal, *outgoing, choice.x, u) else { continue };
+        let Some(sample) = vertex.bsdf(lobes).sample(choice.x, u) else { continue };
         let throughput = walk.throughput * sample.weight;
-        let mirrors_only = walk.mirrors_only && sample.pdf.is_infinite();
-        let survival = survival(bounce, mirrors_only, throughput);
+        let sharp_only = walk.sharp_only && sample.pdf.is_infinite();
+        let media = if sample.through { vertex.beyond } else { walk.media };
+        // Radiance in a solid is higher by the square of its index, and gets lower again where it leaves.
+        let index = media.interior(scene).map_or(1.0, |interior| interior.index);
+        let survival = survival(bounce, sharp_only, throughput * index * index);
         if choice.y >= survival {
             continue;
         }
-        rays.push(Ray::new(*start, sample.incoming));
+        let start = vertex.starts[usize::from(sample.through)];
+        rays.push(Ray::new(start, sample.incoming));
         let throughput = throughput / survival;
-        walks.push(Walk { throughput, pdf: sample.pdf, mirrors_only, ..*walk });
+        let (pdf, from) = if sample.straight { (walk.pdf, walk.from) } else { (sample.pdf, start) };
+        walks.push(Walk { throughput, pdf, from, sharp_only, media, ..*walk });
     }
 }
 
@@ -300,9 +355,9 @@ fn scatter(bounce: u32, pairs: Bounce, points: &[PathPoints], scratch: &mut Scra
 /// nothing is lost on average. Paths are followed until little is left of them, and then in proportion to that: with no
 /// other bound than 1, the deviation stays finite in rooms of any reflectance, and small where it is high. What is seen
 /// in mirrors is followed for longer, since chance has had no part in it yet.
-fn survival(bounce: u32, mirrors_only: bool, throughput: Rgb) -> f32 {
+fn survival(bounce: u32, sharp_only: bool, throughput: Rgb) -> f32 {
     let left = throughput.max_element();
-    let little = if mirrors_only { 1.0 / 256.0 } else { 1.0 / 4.0 };
+    let little = if sharp_only { 1.0 / 256.0 } else { 1.0 / 4.0 };
     match bounce {
         0..SAFE_BOUNCES => f32::from(left > 0.0),
         SAFE_BOUNCES..MANY_BOUNCES => (left / little).min(1.0),
@@ -328,6 +383,7 @@ impl Scratch {
         self.rays.clear();
         self.walks.clear();
         self.vertices.clear();
+        self.lobes.clear();
         self.on_surface.clear();
         self.samples.clear();
         self.samples.resize(count, Sample { radiance: Rgb::ZERO, alpha: 1.0 });
@@ -336,40 +392,69 @@ impl Scratch {
 
 impl Walk {
     fn from_eye(sample: u32) -> Self {
-        Self { sample, throughput: Rgb::ONE, pdf: f32::INFINITY, mirrors_only: true }
+        Self {
+            sample,
+            throughput: Rgb::ONE,
+            pdf: f32::INFINITY,
+            from: Vec3::ZERO,
+            sharp_only: true,
+            media: Media::default(),
+            channel: None,
+        }
+    }
+
+    /// Goes on for one of the three channels, picked by a number in 0..1.
+    fn follow_channel(&mut self, u: f32) {
+        let channel = ((3.0 * u) as u8).min(2);
+        self.throughput *= 3.0 * Rgb::AXES[usize::from(channel)];
+        self.channel = Some(channel);
     }
 }
 
 impl Vertex {
-    /// BSDF × cosine for light from `incoming`, with the density of that direction; `None` if it reflects nothing.
     #[inline(always)]
-    fn reflected(&self, incoming: Vec3) -> Option<(Rgb, f32)> {
-        let (cos, value) = (self.shading_normal.dot(incoming), self.bsdf.value());
-        (cos > 0.0 && value != Rgb::ZERO).then(|| (value * cos, self.bsdf.pdf(cos)))
+    fn bsdf<'a>(&self, lobes: &'a [Lobe]) -> Bsdf<'a> {
+        let lobes = &lobes[self.lobes.start as usize..self.lobes.end as usize];
+        Bsdf { frame: self.frame, outgoing: self.outgoing, lobes }
+    }
+
+    /// BSDF × cosine for light from `incoming`, with the density of that direction, and where rays that way start;
+    /// `None` if nothing is scattered.
+    #[inline(always)]
+    fn scattered(&self, lobes: &[Lobe], incoming: Vec3) -> Option<(Rgb, f32, Vec3)> {
+        let (value, pdf) = self.bsdf(lobes).eval(incoming);
+        let through = incoming.dot(self.frame.normal()) < 0.0;
+        (value != Rgb::ZERO).then(|| (value, pdf, self.starts[usize::from(through)]))
     }
 
     /// From a light without extent.
     #[inline(always)]
-    fn light_from(&self, light: &Light) -> Option<(Ray, Rgb)> {
+    fn light_from(&self, lobes: &[Lobe], light: &Light) -> Option<(Ray, Rgb)> {
         let sample = light.sample(self.position.as_dvec3())?;
-        let (reflected, _) = self.reflected(sample.incoming)?;
-        Some((sample.ray_from(self.position, self.start, 0.0), reflected * sample.irradiance))
+        let (scattered, _, start) = self.scattered(lobes, sample.incoming)?;
+        Some((sample.ray_from(self.position, start, 0.0), scattered * sample.irradiance))
     }
 
     /// From a surface that emits.
     #[inline(always)]
-    fn light_from_area(&self, scene: &Scene, light: &AreaLight, u: DVec2) -> Option<(Ray, Rgb)> {
-        let sample = light.sample(self.start.as_dvec3(), u)?;
-        let (reflected, pdf) = self.reflected(sample.incoming.as_vec3())?;
+    fn light_from_area(
+        &self,
+        lobes: &[Lobe],
+        scene: &Scene,
+        light: &AreaLight,
+        u: DVec2,
+    ) -> Option<(Ray, Rgb)> {
+        let sample = light.sample(self.starts[0].as_dvec3(), u)?;
+        let (scattered, pdf, start) = self.scattered(lobes, sample.incoming.as_vec3())?;
         let radiance = scene.emitted_by(light, &sample) / (sample.pdf as f32 + pdf);
-        Some((sample.shadow_ray(self.start, 0.0), reflected * radiance))
+        Some((sample.shadow_ray(start, 0.0), scattered * radiance))
     }
 
     /// From behind everything.
     #[inline(always)]
-    fn light_from_afar(&self, sample: EnvironmentSample) -> Option<(Ray, Rgb)> {
-        let (reflected, pdf) = self.reflected(sample.incoming)?;
+    fn light_from_afar(&self, lobes: &[Lobe], sample: EnvironmentSample) -> Option<(Ray, Rgb)> {
+        let (scattered, pdf, start) = self.scattered(lobes, sample.incoming)?;
         let radiance = sample.radiance / (sample.pdf + pdf);
-        Some((Ray::new(self.start, sample.incoming), reflected * radiance))
+        Some((Ray::new(start, sample.incoming), scattered * radiance))
     }
 }

@@ -115,9 +115,8 @@ impl<'a> Meshes<'a> {
 }
 
 fn needs_more_uvs(material: &Material, mesh: &Mesh) -> bool {
-    let lacks = |pattern: &Pattern| match pattern {
-        Pattern::Image { uv_set, .. } => *uv_set >= mesh.uvs.len(),
+    material.textures().into_iter().any(|texture| match texture.pattern {
+        Pattern::Image { uv_set, .. } => uv_set >= mesh.uvs.len(),
         _ => false,
-    };
-    lacks(&material.reflectance.pattern) || lacks(&material.emission.pattern)
+    })
 }

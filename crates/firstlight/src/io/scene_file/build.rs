@@ -3,7 +3,8 @@
 use super::document::{At, Document, Named, Span, in_order};
 use super::environment::EnvironmentKeys;
 use super::light::{Lighting, SurfaceLightKeys};
-use super::material::{MaterialKeys, Pictures};
+use super::material::MaterialKeys;
+use super::pictures::Pictures;
 use super::surface::{NewShape, SurfaceKeys};
 use super::{InstanceKeys, ModelKeys, SceneKeys, transform};
 use crate::color::Rgb;
@@ -107,9 +108,21 @@ impl Builder<'_> {
         let (document, access) = (self.document, self.access);
         let mut pictures =
             Pictures { document, access, images: Vec::new(), by_file: HashMap::new() };
-        for (name, material) in in_order(materials) {
-            self.scene.materials.push(material.value.describe(&name, &mut pictures)?);
-            self.materials.insert(name, self.scene.materials.len() - 1);
+        // Mixes wait for what they mix.
+        let mut waiting: Vec<_> = in_order(materials).collect();
+        for _ in 0..=SceneDescription::MOST_MIXING {
+            for (name, material) in std::mem::take(&mut waiting) {
+                let known = |part: &String| self.materials.contains_key(part);
+                let parts = material.value.parts();
+                if parts.is_none_or(|parts| parts.value.0.iter().all(known)) {
+                    self.describe_material(name, material, &mut pictures, warnings)?;
+                } else {
+                    waiting.push((name, material));
+                }
+            }
+        }
+        if let Some(error) = self.unmixed(&waiting) {
+            return Err(error);
         }
         if let Some(At { span, value }) = environment {
             if self.scene.integrator == Integrator::Direct {
@@ -121,6 +134,44 @@ impl Builder<'_> {
         }
         self.scene.images = pictures.images;
         Ok(())
+    }
+
+    fn describe_material(
+        &mut self,
+        name: String,
+        At { span, value: keys }: At<MaterialKeys>,
+        pictures: &mut Pictures<'_>,
+        warnings: &mut Warnings,
+    ) -> Result<()> {
+        let parts =
+            keys.parts().map(|parts| parts.value.0.each_ref().map(|part| self.materials[part]));
+        let inside = |place: &usize| self.scene.materials[*place].interior;
+        let interior = parts.iter().flatten().find_map(inside);
+        let material = keys.describe(&name, (parts.unwrap_or_default(), interior), pictures)?;
+        if self.scene.integrator == Integrator::Direct && material.shows_its_surroundings() {
+            let message = "shows little of its surroundings by the integrator \"direct\", which asks lights alone";
+            let warning = self.document.error(&span, message);
+            warnings.push(warning.help("write integrator = \"path\""));
+        }
+        self.scene.materials.push(material);
+        self.materials.insert(name, self.scene.materials.len() - 1);
+        Ok(())
+    }
+
+    /// The complaint about the first of the mixes that cannot be made.
+    fn unmixed(&self, waiting: &[(String, At<MaterialKeys>)]) -> Option<Box<Diagnostic>> {
+        let mix = waiting.first()?.1.value.parts()?;
+        let waits = |name: &String| waiting.iter().any(|(waiting, _)| waiting == name);
+        let unknown =
+            mix.value.0.iter().find(|&part| !self.materials.contains_key(part) && !waits(part));
+        let message = match unknown {
+            Some(name) => {
+                let hint = did_you_mean(name, self.materials.keys().map(String::as_str));
+                format!("names the unknown material {}{hint}", quoted(name))
+            }
+            None => "mixes itself, or mixes of more than 4 levels".to_owned(),
+        };
+        Some(self.document.error(&mix.span, message))
     }
 
     fn add_surface(

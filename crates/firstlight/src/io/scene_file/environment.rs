@@ -3,7 +3,7 @@
 use super::color::Color;
 use super::document::At;
 use super::light::{Amount, Lighting, Radiance};
-use super::material::Pictures;
+use super::pictures::Pictures;
 use crate::color::Rgb;
 use crate::diagnostic::Result;
 use crate::io::model::{UpAxis, upright};

@@ -14,6 +14,8 @@ mod film;
 mod light;
 mod material;
 mod overrides;
+mod pictures;
+mod substance;
 mod surface;
 #[cfg(test)]
 mod tests;

@@ -10,7 +10,7 @@ pub(crate) use table::Aim;
 
 use crate::color::{Rgb, luminance};
 use crate::scene::description::{Pixels, Sampling, Sky, Wrap};
-use crate::shading::texture::{look_up, texel};
+use crate::shading::texture::{Role, look_up, texel};
 use glam::{DVec3, Mat3, Vec2, Vec3, Vec4Swizzles};
 use std::f32::consts::FRAC_1_PI;
 use table::DirectionTable;
@@ -73,7 +73,8 @@ fn radiance(sky: &Sky, from: Vec3) -> Rgb {
             horizon.lerp(if from.z > 0.0 { *zenith } else { *nadir }, from.z.abs())
         }
         Sky::Picture { pixels, sampling } => {
-            look_up(pixels, on_picture(from), [Wrap::Repeat, Wrap::Clamp], *sampling).xyz()
+            let wrap = [Wrap::Repeat, Wrap::Clamp];
+            look_up(pixels, on_picture(from), wrap, *sampling, Role::Color).xyz()
         }
     }
 }
@@ -92,7 +93,8 @@ fn table_of(sky: &Sky, aim: Aim) -> Option<DirectionTable> {
 fn of_picture(pixels: &Pixels, sampling: Sampling, aim: Aim) -> Option<DirectionTable> {
     let (width, height) = (pixels.width as usize, pixels.height as usize);
     let place = |i: usize| Vec2::new((i % width) as f32, (i / width) as f32);
-    let brightness = |i| luminance(texel(pixels, place(i), [Wrap::Clamp; 2]).xyz()).max(0.0);
+    let brightness =
+        |i| luminance(texel(pixels, place(i), [Wrap::Clamp; 2], Role::Color).xyz()).max(0.0);
     let brightness: Vec<f32> = (0..width * height).map(brightness).collect();
     // The mean of straight lines between the centres of three cells, over the cell in the middle.
     let [side, middle] = if sampling == Sampling::Bilinear { [0.125, 0.75] } else { [0.0, 1.0] };
