@@ -140,6 +140,9 @@ pub(crate) struct StudioArgs {
     /// Which axis of the file points up [default: z for STL, else y]
     #[arg(long, value_enum, value_name = "AXIS")]
     pub up: Option<Axis>,
+    /// Which look of a glTF file with variants is shown
+    #[arg(long, value_name = "NAME")]
+    pub variant: Option<String>,
     /// Length of 1 in the file, such as mm or "2.5 cm" [default: 1 m]
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     pub unit: Option<String>,

@@ -266,7 +266,16 @@ fn material_text(material: &Material) -> String {
         false => String::new(),
     };
     let sides = if material.double_sided { "" } else { ", one-sided" };
-    format!("matte, reflectance {}{emission}{sides}", texture(&material.reflectance))
+    let (kind, color) = match &material.scattering {
+        Scattering::Matte { .. } => ("matte", "reflectance"),
+        Scattering::Mirror { .. } => ("mirror", "ground"),
+        Scattering::Conductor { .. } => ("metal", "color"),
+        Scattering::Dielectric { .. } => ("glass", "tint"),
+        Scattering::ThinGlass { .. } => ("pane of glass", "tint"),
+        Scattering::Principled(_) => ("principled", "base color"),
+        Scattering::Mix { .. } => ("mix", "color"),
+    };
+    format!("{kind}, {color} {}{emission}{sides}", texture(&material.reflectance))
 }
 
 fn camera_text(camera: &CameraDescription) -> String {

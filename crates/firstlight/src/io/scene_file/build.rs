@@ -34,8 +34,8 @@ pub(super) struct Builder<'a> {
     materials: HashMap<String, usize>,
     /// The grey of surfaces without a material, once one is needed.
     default_material: Option<usize>,
-    /// Model files that were read.
-    models: HashMap<PathBuf, (Part, Format)>,
+    /// Model files that were read, by file and variant.
+    models: HashMap<(PathBuf, Option<String>), (Part, Format)>,
     /// Which surfaces each surface or model became, for instances.
     placed: IndexMap<String, Range<usize>>,
 }
@@ -214,7 +214,7 @@ impl Builder<'_> {
         if self.placed.contains_key(&name) {
             return Err(self.document.error(&span, "has the name of a surface; choose another"));
         }
-        let file = self.load(&keys.file, warnings)?;
+        let file = self.load(&keys.file, keys.variant.as_ref(), warnings)?;
         let Some((part, format)) = self.models.get(&file) else { return Ok(()) };
         self.check_visible(part, &keys.file.span, warnings)?;
         let own = transform::compose(keys.transform.as_ref(), self.document)?;
@@ -229,19 +229,25 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// Reads a model file unless it was read before; returns the key to `models`.
-    fn load(&mut self, file: &At<String>, warnings: &mut Warnings) -> Result<PathBuf> {
+    /// Reads a variant of a model file unless it was read before; returns the key to `models`.
+    fn load(
+        &mut self,
+        file: &At<String>,
+        variant: Option<&At<String>>,
+        warnings: &mut Warnings,
+    ) -> Result<(PathBuf, Option<String>)> {
         let At { span, value: name } = file;
         let path = self.document.open(span, self.access.resolve(name))?;
         let real = path.canonicalize().unwrap_or_else(|_| path.clone());
-        if !self.models.contains_key(&real) {
+        let key = (real, variant.map(|variant| variant.value.clone()));
+        if !self.models.contains_key(&key) {
             let access = self.access.within(&path);
-            let read = model::read_with_format(&path, &access, warnings);
+            let read = model::read_with_format(&path, key.1.as_deref(), &access, warnings);
             let (model, format) = self.placed_where_named(span, read)?;
             let part = self.scene.adopt(model);
-            self.models.insert(real.clone(), (part, format));
+            self.models.insert(key.clone(), (part, format));
         }
-        Ok(real)
+        Ok(key)
     }
 
     /// What was read, or the complaint about it: where the file is named, if it is about the whole file.

@@ -3,6 +3,8 @@
 //! The tables are made by `cargo xtask tables`; `data/README.md` says how.
 
 use super::sheen::Sheen;
+use glam::{Vec2, Vec3, Vec3Swizzles};
+use std::f32::consts::FRAC_PI_2;
 use std::sync::LazyLock;
 
 /// Values on a grid, read in between in proportion to the distances. All axes go from 0 to 1.
@@ -45,18 +47,40 @@ fn place(cos: f32, alpha: f32) -> [f32; 2] {
     [alpha.sqrt(), cos * (1.0 + alpha) / (cos + alpha)]
 }
 
-/// The fraction of light from a direction that GGX facets which reflect all of it scatter once, and what Schlick's
+/// The fraction of light from a direction above that GGX facets which reflect all of it scatter once, and what Schlick's
 /// (1 − cos)⁵ would leave of that.
-pub(crate) fn facets(cos: f32, alpha: f32) -> (f32, f32) {
-    let all = FACETS.at(place(cos, alpha));
-    (all, all * FACETS_GRAZING.at([alpha.sqrt(), cos.sqrt()]))
+pub(crate) fn facets(direction: Vec3, alpha: Vec2) -> (f32, f32) {
+    let seen = width_seen(direction, alpha);
+    let all = if alpha.x == alpha.y {
+        FACETS.at(place(direction.z, seen))
+    } else {
+        let [rough, stretch, turn] = shape_place(direction, alpha);
+        BRUSHED.at([rough, stretch, turn, place(direction.z, seen)[1]])
+    };
+    (all, all * FACETS_GRAZING.at([seen.sqrt(), direction.z.sqrt()]))
 }
 
-/// The fraction of light from a direction that a rough boundary of glass scatters once, to either side. `eta`: index
-/// beyond over index here.
-pub(crate) fn glass(cos: f32, alpha: f32, eta: f32) -> f32 {
+/// The width of the facets along the plane of a direction.
+fn width_seen(direction: Vec3, alpha: Vec2) -> f32 {
+    let along = direction.xy().normalize_or(Vec2::X);
+    (along * alpha).length()
+}
+
+/// Roughness of the narrow side, how much of the way to 1 the wide side's width is, and the direction's turn from the
+/// wide side to the narrow one.
+fn shape_place(direction: Vec3, alpha: Vec2) -> [f32; 3] {
+    let (wide, narrow) = (alpha.max_element(), alpha.min_element());
+    let stretch = ((wide - narrow) / (1.0 - narrow).max(1e-6)).sqrt();
+    let across = if alpha.x >= alpha.y { direction.y } else { direction.x };
+    let turn = (across.abs() / direction.xy().length().max(1e-9)).min(1.0).asin() / FRAC_PI_2;
+    [narrow.sqrt(), stretch, turn]
+}
+
+/// The fraction of light from a direction above that a rough boundary of glass scatters once, to either side. `eta`:
+/// index beyond over index here. Brushed glass is taken as ground evenly.
+pub(crate) fn glass(direction: Vec3, alpha: Vec2, eta: f32) -> f32 {
     let (table, eta) = if eta >= 1.0 { (&GLASS_OUTSIDE, eta) } else { (&GLASS_INSIDE, 1.0 / eta) };
-    let [rough, angle] = place(cos, alpha);
+    let [rough, angle] = place(direction.z, (alpha.x * alpha.y).sqrt());
     // Where light grazes glass of nearly the same index, all changes quickly.
     table.at([index_place(eta), rough, (angle * angle).cbrt()])
 }
@@ -74,6 +98,7 @@ fn index_place(eta: f32) -> f32 {
 
 const MOST_SHEEN: f32 = 1.6;
 const FACETS_SIZES: [usize; 2] = [32, 32];
+const BRUSHED_SIZES: [usize; 4] = [14, 14, 9, 24];
 const GLASS_SIZES: [usize; 3] = [32, 24, 48];
 const SHEEN_SIZES: [usize; 2] = [32, 48];
 
@@ -81,6 +106,9 @@ static FACETS: LazyLock<Table<2>> =
     LazyLock::new(|| Table::read(FACETS_SIZES, include_bytes!("../../../data/facets.bin")));
 static FACETS_GRAZING: LazyLock<Table<2>> =
     LazyLock::new(|| Table::read(FACETS_SIZES, include_bytes!("../../../data/facets-grazing.bin")));
+static BRUSHED: LazyLock<Table<4>> = LazyLock::new(|| {
+    Table::read(BRUSHED_SIZES, include_bytes!("../../../data/facets-brushed.bin"))
+});
 static GLASS_OUTSIDE: LazyLock<Table<3>> =
     LazyLock::new(|| Table::read(GLASS_SIZES, include_bytes!("../../../data/glass-outside.bin")));
 static GLASS_INSIDE: LazyLock<Table<3>> =
@@ -94,7 +122,6 @@ mod make {
     use super::super::fresnel::{dielectric, schlick_weight};
     use super::super::ggx::{Ggx, mirrored, refracted};
     use super::*;
-    use glam::{Vec2, Vec3};
     use rayon::prelude::*;
     use std::f32::consts::TAU;
 
@@ -118,8 +145,8 @@ mod make {
         (points().map(|u| f64::from(value(u))).sum::<f64>() / f64::from(POINTS)) as f32
     }
 
-    pub(super) fn integrate_facets(cos: f32, alpha: f32, weight: impl Fn(f32) -> f32) -> f32 {
-        let (facets, outgoing) = (Ggx { alpha: Vec2::splat(alpha) }, direction(cos));
+    fn integrate_facets(outgoing: Vec3, alpha: Vec2, weight: impl Fn(f32) -> f32) -> f32 {
+        let facets = Ggx { alpha };
         mean(|u| {
             let m = facets.sample(outgoing, u);
             let incoming = mirrored(outgoing, m);
@@ -131,14 +158,15 @@ mod make {
         })
     }
 
-    pub(super) fn integrate_glass(cos: f32, alpha: f32, eta: f32) -> [f32; 2] {
+    fn integrate_glass(cos: f32, alpha: f32, eta: f32) -> [f32; 2] {
         let (facets, outgoing) = (Ggx { alpha: Vec2::splat(alpha) }, direction(cos));
         let hidden = |incoming| facets.both_visible(outgoing, incoming) / facets.visible(outgoing);
         let share = |through: bool| {
             mean(|u| {
                 let m = facets.sample(outgoing, u);
                 let cos = outgoing.dot(m).clamp(0.0, 1.0);
-                let (reflected, beyond) = dielectric(cos, eta);
+                let (reflected, beyond) = dielectric(cos.into(), eta.into());
+                let (reflected, beyond) = (reflected as f32, beyond.map(|cos| cos as f32));
                 if !through {
                     let incoming = mirrored(outgoing, m);
                     return if incoming.z > 0.0 { reflected * hidden(incoming) } else { 0.0 };
@@ -151,7 +179,7 @@ mod make {
         [share(false), share(true)]
     }
 
-    pub(super) fn integrate_sheen(cos: f32, alpha: f32) -> f32 {
+    fn integrate_sheen(cos: f32, alpha: f32) -> f32 {
         const STEPS: u32 = 128;
         let (sheen, outgoing) = (Sheen { alpha }, direction(cos));
         let mut sum = 0.0;
@@ -198,14 +226,28 @@ mod make {
         let write = |name: &str, bytes: Vec<u8>| std::fs::write(folder.join(name), bytes).unwrap();
         let facets = |[rough, angle]: [f32; 2]| {
             let (cos, alpha) = unplace(rough, angle);
-            integrate_facets(cos, alpha, |_| 1.0)
+            integrate_facets(direction(cos), Vec2::splat(alpha), |_| 1.0)
         };
         write("facets.bin", grid(FACETS_SIZES, facets));
         let grazing = |[rough, angle]: [f32; 2]| {
             let (cos, alpha) = ((angle * angle).max(1e-6), (rough * rough).max(1e-4));
-            integrate_facets(cos, alpha, schlick_weight) / integrate_facets(cos, alpha, |_| 1.0)
+            let integral = |weight: fn(f32) -> f32| {
+                integrate_facets(direction(cos), Vec2::splat(alpha), weight)
+            };
+            integral(schlick_weight) / integral(|_| 1.0)
         };
         write("facets-grazing.bin", grid(FACETS_SIZES, grazing));
+        let brushed = |[rough, stretch, turn, angle]: [f32; 4]| {
+            let narrow = (rough * rough).clamp(1e-4, 0.9999);
+            let wide = narrow + (1.0 - narrow) * stretch * stretch;
+            let (sin, cos) = (turn * FRAC_PI_2).sin_cos();
+            let alpha = Vec2::new(wide, narrow);
+            let seen = (Vec2::new(cos, sin) * alpha).length();
+            let (up, _) = unplace(seen.sqrt(), angle);
+            let across = (1.0 - up * up).max(0.0).sqrt();
+            integrate_facets(Vec3::new(across * cos, across * sin, up), alpha, |_| 1.0)
+        };
+        write("facets-brushed.bin", grid(BRUSHED_SIZES, brushed));
         let glass = |inside: bool| {
             grid(GLASS_SIZES, |[index, rough, angle]| {
                 let (cos, alpha) = unplace(rough, angle * angle.sqrt());

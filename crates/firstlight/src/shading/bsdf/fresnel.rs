@@ -8,8 +8,8 @@ use std::f32::consts::{PI, TAU};
 /// Unpolarised reflectance of a boundary between two dielectrics, and the cosine of the refracted direction; `None` if
 /// all is reflected. `cos`: of the incident direction, 0..1; `eta`: index beyond over index here.
 ///
-/// Written with what 1 − cos² is made of, so that grazing angles keep their digits.
-pub(crate) fn dielectric(cos: f32, eta: f32) -> (f32, Option<f32>) {
+/// In double precision: near the angle from which on all is reflected, the curve is steep.
+pub(crate) fn dielectric(cos: f64, eta: f64) -> (f64, Option<f64>) {
     let sin2_beyond = (1.0 - cos * cos).max(0.0) / (eta * eta);
     if sin2_beyond >= 1.0 {
         return (1.0, None);

@@ -25,35 +25,36 @@ impl Glass {
         if cos_o <= 0.0 || (cos_i > 0.0) != reflects {
             return (0.0, 0.0);
         }
-        let (reflected, _) = dielectric(cos_o.min(1.0), self.eta);
+        let eta = f64::from(self.eta);
+        let (reflected, _) = dielectric(cos_o.min(1.0), eta);
         let seen = self.facets.visible_density(outgoing, m);
         let hidden = self.facets.both_visible(outgoing, incoming) / self.facets.visible(outgoing);
         if reflects {
-            let pdf = reflected * seen / (4.0 * cos_o);
+            let pdf = (reflected / (4.0 * cos_o)) as f32 * seen;
             return (pdf * hidden, pdf);
         }
-        let spread = cos_i + cos_o / self.eta;
-        let pdf = (1.0 - reflected) * seen * cos_i.abs() / (spread * spread);
+        let spread = cos_i + cos_o / eta;
+        let pdf = ((1.0 - reflected) * cos_i.abs() / (spread * spread)) as f32 * seen;
         (pdf * hidden / (self.eta * self.eta), pdf)
     }
 
     /// The facet that sends light from `incoming` to `outgoing`, and its cosines with both. In double precision: where
     /// the indices are nearly the same, the two directions nearly cancel.
-    fn facet(&self, outgoing: Vec3, incoming: Vec3) -> (Vec3, f32, f32) {
+    fn facet(&self, outgoing: Vec3, incoming: Vec3) -> (Vec3, f64, f64) {
         let (outgoing, toward) = (outgoing.as_dvec3(), incoming.as_dvec3());
         let weight = if incoming.z > 0.0 { 1.0 } else { f64::from(self.eta) };
         let m = (outgoing + weight * toward).normalize_or(DVec3::Z);
         let m = if m.z < 0.0 { -m } else { m };
-        (m.as_vec3(), outgoing.dot(m) as f32, toward.dot(m) as f32)
+        (m.as_vec3(), outgoing.dot(m), toward.dot(m))
     }
 
     /// A direction of either side: `choice` in 0..1 decides which.
     pub(crate) fn sample(&self, outgoing: Vec3, choice: f32, u: Vec2) -> Option<Vec3> {
         let m = self.facets.sample(outgoing, u);
         let cos = outgoing.dot(m).clamp(0.0, 1.0);
-        match dielectric(cos, self.eta) {
-            (reflected, Some(beyond)) if choice >= reflected => {
-                let incoming = refracted(outgoing, m, self.eta, beyond).normalize();
+        match dielectric(cos.into(), self.eta.into()) {
+            (reflected, Some(beyond)) if f64::from(choice) >= reflected => {
+                let incoming = refracted(outgoing, m, self.eta, beyond as f32).normalize();
                 (incoming.z < 0.0).then_some(incoming)
             }
             _ => Some(mirrored(outgoing, m)).filter(|incoming| incoming.z > 0.0),

@@ -74,7 +74,7 @@ impl<'a> Layers<'a> {
             self.add(Kind::Mirror, reflected, Rgb::ONE);
             return reflected;
         };
-        let (all, grazing) = albedo::facets(cos, self.alpha_seen(facets));
+        let (all, grazing) = albedo::facets(self.outgoing, facets.alpha);
         let normal = fresnel.at(1.0);
         let once = match fresnel {
             Fresnel::Schlick { normal, grazing: f90 } => normal * (all - grazing) + f90 * grazing,
@@ -92,16 +92,16 @@ impl<'a> Layers<'a> {
             return self.add(Kind::Straight, tint, Rgb::ONE);
         }
         let Some(facets) = rough(alpha) else {
-            let (reflected, beyond) = dielectric(cos, eta);
-            self.add(Kind::Mirror, Rgb::splat(reflected), Rgb::ONE);
-            if let Some(cos_beyond) = beyond {
-                let (passes, squeezed) = (1.0 - reflected, eta * eta);
-                let kind = Kind::Refraction { eta, cos_beyond };
+            let (reflected, beyond) = dielectric(cos.into(), eta.into());
+            self.add(Kind::Mirror, Rgb::splat(reflected as f32), Rgb::ONE);
+            if let Some(beyond) = beyond {
+                let (passes, squeezed) = ((1.0 - reflected) as f32, eta * eta);
+                let kind = Kind::Refraction { eta, cos_beyond: beyond as f32 };
                 self.add(kind, passes / squeezed * tint, Rgb::splat(squeezed));
             }
             return;
         };
-        let once = albedo::glass(cos, self.alpha_seen(facets), eta);
+        let once = albedo::glass(self.outgoing, facets.alpha, eta);
         let kind = Kind::Glass { glass: Glass { facets, eta }, tint };
         self.add(kind, Rgb::splat(1.0 / once), Rgb::splat(once));
     }
@@ -113,15 +113,15 @@ impl<'a> Layers<'a> {
         let Some(facets) = rough(alpha) else {
             return self.add(Kind::Straight, passes, Rgb::ONE);
         };
-        let (all, _) = albedo::facets(self.outgoing.z, self.alpha_seen(facets));
+        let (all, _) = albedo::facets(self.outgoing, facets.alpha);
         let fresnel = Fresnel::Schlick { normal: Rgb::ONE, grazing: 1.0 };
         self.add(Kind::Facets { facets, fresnel, through: true }, passes / all, Rgb::splat(all));
     }
 
     /// The pane of a window: light goes back and forth between its two smooth sides.
     pub(crate) fn window(&mut self, eta: f32, tint: Rgb) {
-        let (once, _) = dielectric(self.outgoing.z, eta);
-        let reflected = 2.0 * once / (1.0 + once);
+        let (once, _) = dielectric(self.outgoing.z.into(), eta.into());
+        let reflected = (2.0 * once / (1.0 + once)) as f32;
         self.add(Kind::Mirror, Rgb::splat(reflected), Rgb::ONE);
         self.add(Kind::Straight, (1.0 - reflected) * tint, Rgb::ONE);
     }
@@ -143,11 +143,6 @@ impl<'a> Layers<'a> {
         let color = color / albedo.max(1.0);
         self.add(Kind::Sheen(sheen), color, Rgb::splat(albedo));
         self.left *= 1.0 - color.max_element() * albedo;
-    }
-
-    /// The width of round facets that would look most like these from `outgoing`.
-    fn alpha_seen(&self, facets: Ggx) -> f32 {
-        (facets.alpha.x * facets.alpha.y).sqrt()
     }
 }
 

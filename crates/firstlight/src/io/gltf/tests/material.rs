@@ -224,3 +224,27 @@ fn a_mesh_without_the_texture_coordinates_is_noted() {
     let (_, warnings) = textured(json!({ "index": 0, "texCoord": 1 }), |_| {});
     assert!(warnings[0].contains("meshes[0].primitives[0]: has not the texture coordinates"));
 }
+
+#[test]
+fn variants_choose_materials() {
+    let mut document = triangle();
+    let color = |c: f32| json!({ "pbrMetallicRoughness": { "baseColorFactor": [c, 0, 0, 1] } });
+    document["materials"] = json!([color(0.25), color(0.5)]);
+    let variants = json!({ "KHR_materials_variants": { "variants": [{ "name": "day" }, { "name": "night" }] } });
+    document["extensions"] = variants;
+    document["meshes"][0]["primitives"][0]["material"] = json!(0);
+    document["meshes"][0]["primitives"][0]["extensions"] = json!({
+        "KHR_materials_variants": { "mappings": [{ "material": 1, "variants": [1] }] } });
+    let of = |variant: Option<&str>| {
+        let access = FileAccess::beside(Path::new("m.gltf"), &[]);
+        let text = document.to_string();
+        super::super::read(text.as_bytes(), "m.gltf", variant, &access, &mut Warnings::new())
+    };
+    let red = |variant| of(variant).unwrap().materials[0].reflectance.factor[0];
+    assert_eq!([None, Some("day"), Some("night")].map(red), [0.25, 0.25, 0.5]);
+    let complaint = of(Some("nihgt")).unwrap_err().to_string();
+    assert!(
+        complaint.contains("there are \"day\", \"night\"; did you mean \"night\"?"),
+        "{complaint}"
+    );
+}
