@@ -5,9 +5,13 @@ use crate::race::median;
 use crate::recipe::{Recipe, description};
 use crate::report::{print_head, print_row};
 use firstlight::render::with_threads;
-use firstlight::{Scene, SceneDescription};
+use firstlight::{BuildQuality, Level, Scene, SceneDescription};
 use std::num::NonZeroUsize;
 use std::time::{Duration, Instant};
+
+/// Our builds, with their names.
+const OURS: [(&str, BuildQuality); 2] =
+    [("ours, preview", BuildQuality::Preview), ("ours, final", BuildQuality::Final)];
 
 /// Embree's builds that are compared, with their names.
 const EMBREE: [(&str, Setup); 3] = [
@@ -45,7 +49,7 @@ pub(crate) fn run(
     println!("Building: seconds, medians; bytes per triangle, for Embree at rest / at the peak.\n");
     let names = embree.into_iter().flat_map(|_| EMBREE).map(|(name, _)| format!("Embree {name}"));
     let mut head = ["mesh", "triangles", "threads"].map(String::from).to_vec();
-    for name in ["ours".into()].into_iter().chain(names) {
+    for name in OURS.map(|(name, _)| name.into()).into_iter().chain(names) {
         head.extend([name, "bytes".into()]);
     }
     print_head(&head);
@@ -71,14 +75,16 @@ fn race(
     threads: usize,
     runs: usize,
 ) -> Result<Vec<Builds>, String> {
-    let mut all = vec![Builds::default()];
+    let mut all: Vec<_> = OURS.map(|_| Builds::default()).into();
     all.extend(embree.into_iter().flat_map(|_| EMBREE).map(|_| Builds::default()));
     for _ in 0..runs {
-        let (time, bytes) = build_ours(described, threads);
-        all[0].times.push(time);
-        all[0].bytes = vec![bytes];
+        for (builds, (_, quality)) in all.iter_mut().zip(OURS) {
+            let (time, bytes) = build_ours(described, quality, threads);
+            builds.times.push(time);
+            builds.bytes = vec![bytes];
+        }
         let Some(embree) = embree else { continue };
-        for (builds, (_, setup)) in all[1..].iter_mut().zip(EMBREE) {
+        for (builds, (_, setup)) in all[OURS.len()..].iter_mut().zip(EMBREE) {
             let scene = EmbreeScene::build(embree, &recipe.mesh, setup, threads)?;
             builds.times.push(scene.build_time());
             builds.bytes = scene.memory().to_vec();
@@ -87,10 +93,14 @@ fn race(
     Ok(all)
 }
 
-fn build_ours(described: &SceneDescription, threads: usize) -> (Duration, usize) {
+fn build_ours(
+    described: &SceneDescription,
+    quality: BuildQuality,
+    threads: usize,
+) -> (Duration, usize) {
     with_threads(threads, || {
         let start = Instant::now();
-        let scene = Scene::build(described);
+        let scene = Scene::build_with(described, Level::detect(), quality);
         (start.elapsed(), scene.tree_memory())
     })
 }

@@ -9,7 +9,7 @@ use crate::rays::Rays;
 use crate::recipe::{Recipe, View, description};
 use crate::report::{Agreement, Report, Speeds};
 use clap::{Args, ValueEnum};
-use firstlight::{Level, Ray, Scene};
+use firstlight::{BuildQuality, Level, Ray, Scene};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
@@ -122,7 +122,7 @@ fn trace(
     report: &mut Report,
 ) -> Result<(), String> {
     let described = description(recipe.mesh.clone());
-    let built = |level| (level, Scene::build_for(&described, level));
+    let built = |level| (level, Scene::build_with(&described, level, BuildQuality::Final));
     let ours: Vec<_> = Level::all().into_iter().map(built).collect();
     let theirs = embree.map_or(Ok(Vec::new()), |embree| embree_scenes(embree, recipe))?;
     let all = Rays::of(recipe, &ours[0].1);

@@ -7,7 +7,7 @@ use crate::report::{print_head, print_row};
 use firstlight::render::{RenderOptions, render, with_threads};
 use firstlight::scene::Studio;
 use firstlight::scene::description::{Light, LightDescription, Up};
-use firstlight::{Level, Scene, SceneDescription};
+use firstlight::{BuildQuality, Level, Scene, SceneDescription};
 use glam::{DVec3, Vec3};
 use std::f32::consts::PI;
 use std::ops::ControlFlow;
@@ -40,7 +40,7 @@ fn build_and_render(
     threads: usize,
 ) -> (Duration, Duration, u64) {
     let start = Instant::now();
-    let built = with_threads(threads, || Scene::build_for(scene, level));
+    let built = with_threads(threads, || Scene::build_with(scene, level, BuildQuality::Final));
     let build = start.elapsed();
     let start = Instant::now();
     let options = RenderOptions { threads, ..RenderOptions::default() };

@@ -2,12 +2,12 @@
 
 use crate::measure::Requests;
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use firstlight::Level;
 use firstlight::io::scene_file::Override;
 use firstlight::io::{BitDepth, Format, Precision};
 use firstlight::render::Crop;
 use firstlight::scene::description::{Exposure, FilmDescription};
 use firstlight::units::{Dimension, Measure, Quantity};
+use firstlight::{BuildQuality, Level};
 use std::path::PathBuf;
 
 /// From a model or scene file to a correctly lit picture.
@@ -75,6 +75,9 @@ pub(crate) struct RenderArgs {
     #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     #[arg(allow_negative_numbers = true)]
     pub threads: Option<u32>,
+    /// Work that goes into the scene's trees: preview starts sooner, final traces faster
+    #[arg(long, value_enum, value_name = "QUALITY", default_value = "final")]
+    pub build: BuildName,
     /// Seed of every random number
     #[arg(long, value_name = "N", value_parser = seed)]
     #[arg(allow_negative_numbers = true)]
@@ -221,6 +224,24 @@ pub(crate) enum Axis {
 /// A set of instructions; none: the best there is.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Simd(pub Option<Level>);
+
+/// How much work goes into trees, as it is called on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum BuildName {
+    /// Starts sooner
+    Preview,
+    /// Traces faster
+    Final,
+}
+
+impl From<BuildName> for BuildQuality {
+    fn from(name: BuildName) -> Self {
+        match name {
+            BuildName::Preview => Self::Preview,
+            BuildName::Final => Self::Final,
+        }
+    }
+}
 
 /// A file format as it is called on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -41,7 +41,7 @@ pub(crate) fn run(args: RenderArgs) -> Outcome {
     report::warnings(&warnings);
     clock.lap("load");
     let level = args.simd.0.unwrap_or_else(Level::detect);
-    let built = with_threads(threads, || Scene::build_for(&scene, level));
+    let built = with_threads(threads, || Scene::build_with(&scene, level, args.build.into()));
     clock.lap("build");
     let stop = Stop::listen();
     let picture = draw(&args, threads, &built, output.format, &stop);

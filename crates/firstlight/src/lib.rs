@@ -58,6 +58,7 @@ mod suggest;
 mod testing;
 pub mod units;
 
+pub use bvh::BuildQuality;
 pub use camera::Camera;
 pub use film::auto_exposure;
 pub use geometry::{Hit, Ray, solid_angle};

@@ -5,7 +5,7 @@ mod common;
 use common::*;
 use firstlight::render::{RenderOptions, render};
 use firstlight::scene::description::*;
-use firstlight::{Image, Level, Scene, SceneDescription};
+use firstlight::{BuildQuality, Image, Level, Scene, SceneDescription};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
@@ -209,7 +209,7 @@ fn any_number_of_threads_and_any_level_give_the_same_bits() {
     scene.film.samples = 6;
     let rendered = |threads: usize, level: Level| {
         let options = RenderOptions { threads, ..RenderOptions::default() };
-        let scene = Scene::build_for(&scene, level);
+        let scene = Scene::build_with(&scene, level, BuildQuality::Final);
         hash(&render(&scene, &options, &|_| ControlFlow::Continue(())).image)
     };
     let expected = rendered(1, Level::detect());

@@ -16,7 +16,7 @@ pub(super) struct BinaryNode {
     pub bounds: Bounds,
     /// How many nodes further on the right half begins; 0: there are no halves.
     pub right: u32,
-    /// Without halves, the bits of the [`Item`]; else for whoever collapses the tree.
+    /// Without halves, the bits of the [`Item`]; else first the height, then the plan for collapsing.
     pub word: u32,
 }
 
@@ -31,6 +31,18 @@ impl BinaryNode {
     #[inline(always)]
     pub(super) fn is_leaf(&self) -> bool {
         self.right == 0
+    }
+
+    /// How many levels it has, as long as the tree is not planned.
+    pub(super) fn height(&self) -> usize {
+        if self.is_leaf() { 1 } else { self.word as usize }
+    }
+
+    /// The branch over two halves, the second `offset` nodes further on.
+    fn branch(left: &Self, right: &Self, offset: usize) -> Self {
+        let height = 1 + left.height().max(right.height());
+        let bounds = left.bounds.union(right.bounds);
+        Self { bounds, right: offset as u32, word: height as u32 }
     }
 
     /// What it is, if a leaf.
@@ -82,8 +94,7 @@ fn branch(
         || branch(first, left, triangles, depth + 1),
         || branch(second, right, triangles, depth + 1),
     );
-    let bounds = left[0].bounds.union(right[0].bounds);
-    nodes[0] = BinaryNode { bounds, right: 2 * middle as u32, word: 0 };
+    nodes[0] = BinaryNode::branch(&left[0], &right[0], 2 * middle);
 }
 
 /// Does both, at the same time if asked to.
@@ -333,7 +344,7 @@ impl Table {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::kernels::Stack;
     use crate::math::hash;
@@ -349,7 +360,11 @@ mod tests {
     type Shape<'a> = &'a dyn Fn(u32) -> [Vec3; 3];
 
     /// Checks the boxes of a tree and returns its depth; adds the triangles that are in it.
-    fn check(nodes: &[BinaryNode], shape: &Vec<[Vec3; 3]>, found: &mut Vec<u32>) -> usize {
+    pub(in crate::bvh) fn check(
+        nodes: &[BinaryNode],
+        shape: &Vec<[Vec3; 3]>,
+        found: &mut Vec<u32>,
+    ) -> usize {
         let node = &nodes[0];
         if node.is_leaf() {
             let Item::Triangle(number) = node.item() else { unreachable!("only triangles") };
@@ -362,7 +377,7 @@ mod tests {
         1 + check(left, shape, found).max(check(right, shape, found))
     }
 
-    fn references(count: u32, shape: Shape) -> Vec<Reference> {
+    pub(in crate::bvh) fn references(count: u32, shape: Shape) -> Vec<Reference> {
         let bounds = |i| Bounds::around(shape(i));
         (0..count).map(|i| Reference::new(bounds(i), Item::Triangle(i))).collect()
     }

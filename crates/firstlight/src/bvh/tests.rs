@@ -1,6 +1,6 @@
 //! Tracing against an oracle, and the promises about closed meshes and about rays that leave surfaces.
 
-use super::{MeshPart, Part, World};
+use super::{BuildQuality, MeshPart, Part, World};
 use crate::geometry::{Hit, Ray};
 use crate::kernels::HitFilter;
 use crate::scene::description::Mesh;
@@ -23,7 +23,7 @@ impl HitFilter for Everything {
 
 fn world(mesh: &Arc<Mesh>, transforms: &[DAffine3], instanced: bool) -> World {
     let part = |t: &DAffine3| Part::Mesh(MeshPart::new(Arc::clone(mesh), *t, instanced, 0));
-    World::build(transforms.iter().map(part).collect(), Level::detect())
+    World::build(transforms.iter().map(part).collect(), Level::detect(), BuildQuality::Final)
 }
 
 fn closest(world: &World, rays: &[Ray]) -> Vec<Hit> {

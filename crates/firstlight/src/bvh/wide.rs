@@ -1,21 +1,30 @@
 //! From the binary tree to the eight-wide one that is traversed.
 
+use super::BuildQuality;
 use super::build::{BinaryNode, build};
 use super::collapse::{children, is_leaf, plan};
 use super::reference::{Item, Reference, Triangles};
+use super::reinsert::improve;
 use crate::geometry::Bounds;
 use crate::kernels::{Child, Node, Tree, TriangleBlock, Word};
 use crate::simd::{LANES, Pages};
 use rayon::prelude::*;
 
 /// Builds the tree over `references`.
-pub(super) fn tree(mut references: Vec<Reference>, triangles: &impl Triangles) -> Tree {
+pub(super) fn tree(
+    mut references: Vec<Reference>,
+    triangles: &impl Triangles,
+    quality: BuildQuality,
+) -> Tree {
     if references.is_empty() {
         let (nodes, blocks, words) = (Pages::new(&[]), Pages::new(&[]), Pages::new(&[]));
         return Tree { nodes, blocks, words, bounds: Bounds::EMPTY, reach: 0.0 };
     }
     let mut binary = build(&mut references, triangles);
     drop(references);
+    if quality == BuildQuality::Final {
+        binary = improve(binary);
+    }
     plan(&mut binary, triangles);
     let bounds = binary[0].bounds;
     let (wide, leaves) = number(&binary);

@@ -1,5 +1,6 @@
 //! Everything that can be hit: one tree over the world, one per mesh that stands in it more than once.
 
+use super::BuildQuality;
 use super::reference::{Item, Reference, Triangles};
 use super::wide;
 use crate::geometry::{Analytic, Bounds, Hit, Ray};
@@ -96,14 +97,14 @@ pub(crate) struct World {
 
 impl World {
     /// Builds the trees over `parts`; surfaces are numbered in this order.
-    pub(crate) fn build(parts: Vec<Part>, level: Level) -> Self {
-        let (trees, tree_of) = instanced_trees(&parts);
+    pub(crate) fn build(parts: Vec<Part>, level: Level, quality: BuildQuality) -> Self {
+        let (trees, tree_of) = instanced_trees(&parts, quality);
         let mut builder = TopBuilder::default();
         for (surface, part) in parts.iter().enumerate() {
             builder.add(surface as u32, part, tree_of[surface].map(|i: usize| &trees[i]));
         }
         let triangles = FlattenedTriangles { parts: &parts, flattened: &builder.flattened };
-        let top = wide::tree(builder.references, &triangles);
+        let top = wide::tree(builder.references, &triangles, quality);
         let flattened = builder.flattened;
         Self { parts, top, flattened, trees, tree_of, endless: builder.endless, level }
     }
@@ -261,7 +262,7 @@ fn into_object(ray: &Ray, to_object: &DAffine3) -> Ray {
 }
 
 /// One tree per instanced mesh, and which part uses which.
-fn instanced_trees(parts: &[Part]) -> (Vec<Tree>, Vec<Option<usize>>) {
+fn instanced_trees(parts: &[Part], quality: BuildQuality) -> (Vec<Tree>, Vec<Option<usize>>) {
     let (mut users, mut known) = (Vec::new(), HashMap::new());
     let mut tree_of = |part: &MeshPart| {
         *known.entry((Arc::as_ptr(&part.mesh), part.flags)).or_insert_with(|| {
@@ -274,11 +275,11 @@ fn instanced_trees(parts: &[Part]) -> (Vec<Tree>, Vec<Option<usize>>) {
         _ => None,
     };
     let tree_of_parts = parts.iter().map(instanced).collect();
-    (users.par_iter().map(mesh_tree).collect(), tree_of_parts)
+    (users.par_iter().map(|part| mesh_tree(part, quality)).collect(), tree_of_parts)
 }
 
-fn mesh_tree(part: &MeshPart) -> Tree {
-    wide::tree(triangle_references(part, 0).collect(), part)
+fn mesh_tree(part: &MeshPart, quality: BuildQuality) -> Tree {
+    wide::tree(triangle_references(part, 0).collect(), part, quality)
 }
 
 fn triangle_references(

@@ -7,7 +7,7 @@ use super::description::{
     Shape, Surface,
 };
 use super::lights::{area_lights, environment};
-use crate::bvh::{MeshPart, Part, World};
+use crate::bvh::{BuildQuality, MeshPart, Part, World};
 use crate::camera::Camera;
 use crate::color::Rgb;
 use crate::geometry::Analytic;
@@ -26,17 +26,18 @@ impl Scene {
     ///
     /// The description must be sound, see [`SceneDescription::check`].
     pub fn build(description: &SceneDescription) -> Self {
-        Self::build_for(description, Level::detect())
+        Self::build_with(description, Level::detect(), BuildQuality::Final)
     }
 
-    /// Builds the scene to be traced with the instructions of `level`. The picture is the same for every level.
-    pub fn build_for(description: &SceneDescription, level: Level) -> Self {
+    /// Builds the scene to be traced with the instructions of `level`, with as much work on its trees as `quality` asks
+    /// for. The picture is the same for all of them.
+    pub fn build_with(description: &SceneDescription, level: Level, quality: BuildQuality) -> Self {
         let film = &description.film;
         let studio = Studio { up: description.up.0, ..Studio::default() };
         let view = description.cameras.first().cloned().unwrap_or_else(|| studio.view(description));
         let camera = Camera::new(&view, film.width, film.height);
         let ambient = description.lights.iter().filter_map(ambient).sum();
-        let world = World::build(parts(description), level);
+        let world = World::build(parts(description), level, quality);
         let material_of: Vec<_> = description.surfaces.iter().map(|s| s.material as u32).collect();
         let sky = description.environment.as_ref();
         let lights = description.lights.iter();
