@@ -1,8 +1,8 @@
 use super::*;
 use crate::color::luminance;
 use crate::scene::description::{
-    Alpha, CameraLightAmount, Exposure, Filter, Integrator, Light, Pattern, Projection, Sampling,
-    Shape, Sky, Wrap,
+    Alpha, CameraLightAmount, ComplexIndex, Exposure, Filter, Integrator, Light, Pattern,
+    Projection, Sampling, Scalar, Scattering, Shape, Sky, Wrap,
 };
 use glam::DVec3;
 use std::f64::consts::PI;

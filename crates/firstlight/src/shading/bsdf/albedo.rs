@@ -98,7 +98,7 @@ fn index_place(eta: f32) -> f32 {
 
 const MOST_SHEEN: f32 = 1.6;
 const FACETS_SIZES: [usize; 2] = [32, 32];
-const BRUSHED_SIZES: [usize; 4] = [14, 14, 9, 24];
+const BRUSHED_SIZES: [usize; 4] = [14, 14, 9, 32];
 const GLASS_SIZES: [usize; 3] = [32, 24, 48];
 const SHEEN_SIZES: [usize; 2] = [32, 48];
 

@@ -41,7 +41,7 @@ impl Glass {
     /// The facet that sends light from `incoming` to `outgoing`, and its cosines with both. In double precision: where
     /// the indices are nearly the same, the two directions nearly cancel.
     fn facet(&self, outgoing: Vec3, incoming: Vec3) -> (Vec3, f64, f64) {
-        let (outgoing, toward) = (outgoing.as_dvec3(), incoming.as_dvec3());
+        let (outgoing, toward) = (outgoing.as_dvec3().normalize(), incoming.as_dvec3().normalize());
         let weight = if incoming.z > 0.0 { 1.0 } else { f64::from(self.eta) };
         let m = (outgoing + weight * toward).normalize_or(DVec3::Z);
         let m = if m.z < 0.0 { -m } else { m };
