@@ -302,5 +302,8 @@ fn film_text(film: &FilmDescription) -> String {
     };
     let transparent = if film.transparent { ", transparent" } else { "" };
     let FilmDescription { width, height, samples, seed, .. } = film;
-    format!("{width} × {height}, {samples} samples, seed {seed}, {exposure}{transparent}")
+    let view = film.view.name();
+    format!(
+        "{width} × {height}, {samples} samples, seed {seed}, {exposure}, view {view}{transparent}"
+    )
 }

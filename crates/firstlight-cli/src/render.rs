@@ -85,6 +85,7 @@ fn set_film(scene: &mut SceneDescription, args: &RenderArgs) {
     film.samples = args.spp.unwrap_or(film.samples);
     film.seed = args.seed.unwrap_or(film.seed);
     film.exposure = args.exposure.unwrap_or(film.exposure);
+    film.view = args.view.unwrap_or(film.view);
     film.transparent |= args.transparent;
 }
 
@@ -138,7 +139,7 @@ fn write(
     picture: &Picture,
     output: &Output,
 ) -> Outcome<()> {
-    let develop = Develop { exposure_ev: picture.exposure_ev as f32 };
+    let develop = Develop { exposure_ev: picture.exposure_ev as f32, view: scene.film.view };
     let metadata = metadata(args, scene, picture);
     let bytes = save(&picture.rendered.image, output.format, develop, &metadata)
         .map_err(|error| Failure { exit: Exit::Failed, error })?;
@@ -156,6 +157,7 @@ fn metadata(args: &RenderArgs, scene: &SceneDescription, picture: &Picture) -> M
         ("Samples", picture.rendered.samples.to_string()),
         ("Seed", film.seed.to_string()),
         ("Exposure", format!("{:+} EV", picture.exposure_ev)),
+        ("View", film.view.name().to_owned()),
         ("Camera", camera_name(scene).to_owned()),
         ("Command", command_line()),
     ];

@@ -212,11 +212,10 @@ impl Analytic {
         AnalyticPoint { position: self.to_world.transform_point3(local), normal, uv }
     }
 
-    /// The direction in which u grows and v does not, of any length, at a point on the surface.
-    pub(crate) fn tangent(&self, position: DVec3, part: u32) -> Vec3 {
-        let local = self.to_object.transform_point3(position);
-        let tangent = self.to_world.transform_vector3(self.kind.tangent(local, part));
-        tangent.normalize_or_zero().as_vec3()
+    /// The directions in which u and v grow at a point on the surface, of any length.
+    pub(crate) fn growing(&self, position: DVec3, part: u32) -> [Vec3; 2] {
+        let axes = self.kind.growing(self.to_object.transform_point3(position), part);
+        axes.map(|axis| self.to_world.transform_vector3(axis).normalize_or_zero().as_vec3())
     }
 
     /// Size of the numbers that positions are computed from, m: their rounding error is ε times this.
@@ -253,12 +252,15 @@ impl Kind {
         }
     }
 
-    /// Where u grows and v does not, at a point of `part`.
-    fn tangent(self, p: DVec3, part: u32) -> DVec3 {
+    /// Where u and v grow at a point of `part`, perhaps out of the surface.
+    fn growing(self, p: DVec3, part: u32) -> [DVec3; 2] {
+        let axis = |number: u32| DMat3::IDENTITY.col(number as usize % 3);
+        let around = DVec3::new(-p.y, p.x, 0.0);
         match (self, part) {
-            (Self::Plane | Self::Quad, _) => DVec3::X,
-            (Self::Cube, face) => DMat3::IDENTITY.col((face / 2 + 1) as usize % 3),
-            _ => DVec3::new(-p.y, p.x, 0.0),
+            (Self::Plane | Self::Quad, _) => [DVec3::X, DVec3::Y],
+            (Self::Cube, face) => [axis(face / 2 + 1), axis(face / 2 + 2)],
+            (Self::Sphere | Self::Cylinder { .. } | Self::Cone { .. }, 0) => [around, DVec3::Z],
+            _ => [around, p.with_z(0.0)],
         }
     }
 

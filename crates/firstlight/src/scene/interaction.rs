@@ -40,11 +40,11 @@ impl Scene {
         evaluate(texture, &self.images, uv, at.color, role)
     }
 
-    /// The direction in which u grows and v does not, in the world, of any length; zero if it is unknown.
-    pub(crate) fn growing_u(&self, at: &SurfaceInteraction) -> Vec3 {
+    /// The directions in which the texture coordinates of a set grow, in the world, of any length; zero if unknown.
+    pub(crate) fn growing(&self, at: &SurfaceInteraction, uv_set: usize) -> [Vec3; 2] {
         match &self.world.parts()[at.hit.surface as usize] {
-            Part::Mesh(part) => mesh_tangent(part, &at.hit),
-            Part::Analytic(shape, _) => shape.tangent(at.position.as_dvec3(), at.hit.primitive),
+            Part::Mesh(part) => mesh_growing(part, uv_set, &at.hit),
+            Part::Analytic(shape, _) => shape.growing(at.position.as_dvec3(), at.hit.primitive),
         }
     }
 
@@ -163,15 +163,21 @@ fn mesh_uv(mesh: &Mesh, set: usize, hit: &Hit) -> Vec2 {
 }
 
 /// From the corners' positions and texture coordinates.
-fn mesh_tangent(part: &MeshPart, hit: &Hit) -> Vec3 {
-    let Some(uvs) = part.mesh.uvs.first().filter(|uvs| !uvs.is_empty()) else { return Vec3::ZERO };
+fn mesh_growing(part: &MeshPart, uv_set: usize, hit: &Hit) -> [Vec3; 2] {
+    let uvs = part.mesh.uvs.get(uv_set).filter(|uvs| !uvs.is_empty());
+    let Some(uvs) = uvs else { return [Vec3::ZERO; 2] };
     let [a, b, c] = part.corners(hit.primitive).map(Vec3::as_dvec3);
     let [s, t, w] = part.mesh.triangles[hit.primitive as usize].map(|i| uvs[i as usize].as_dvec2());
     let (along, across) = (t - s, w - s);
-    let determinant = along.perp_dot(across);
-    let local = ((b - a) * across.y - (c - a) * along.y) * determinant.signum();
-    let in_world = if part.instanced { part.to_world.transform_vector3(local) } else { local };
-    in_world.normalize_or_zero().as_vec3()
+    let sign = along.perp_dot(across).signum();
+    let local = [
+        sign * ((b - a) * across.y - (c - a) * along.y),
+        sign * ((c - a) * along.x - (b - a) * across.x),
+    ];
+    local.map(|axis| {
+        let in_world = part.instanced.then(|| part.to_world.transform_vector3(axis));
+        in_world.unwrap_or(axis).normalize_or_zero().as_vec3()
+    })
 }
 
 #[inline(always)]

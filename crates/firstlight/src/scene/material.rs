@@ -1,13 +1,15 @@
 //! What a material is at one point: its textures looked up, its lobes made.
 
 use super::Scene;
-use super::description::{Facets, Material, Principled, Scalar, Scattering, Texture};
+use super::description::{
+    Facets, Material, NormalMap, Pattern, Principled, Scalar, Scattering, Texture,
+};
 use crate::color::Rgb;
 use crate::shading::bsdf::{
     Bsdf, Frame, Fresnel, Kind, Layers, Lobe, PrincipledPoint, Wall, above, principled,
 };
 use crate::shading::interaction::SurfaceInteraction;
-use crate::shading::texture::Role;
+use crate::shading::texture::{Role, uv_set};
 use glam::{Vec2, Vec3, Vec4Swizzles};
 
 /// A boundary between two media as light that leaves it sees it.
@@ -17,6 +19,28 @@ pub(crate) struct Boundary {
     pub eta: f32,
     /// Whether the eye is inside of the solid.
     pub inside: bool,
+}
+
+/// The facets of a material, if they are not round.
+fn brushed(material: &Material) -> Option<&Facets> {
+    let facets = match &material.scattering {
+        Scattering::Conductor { facets, .. } | Scattering::Dielectric { facets } => facets,
+        Scattering::Principled(principled) => &principled.facets,
+        _ => return None,
+    };
+    (!facets.anisotropy.is(0.0)).then_some(facets)
+}
+
+/// Two directions laid into the plane of a normal, with length 1 unless they are 0.
+fn flattened(axes: [Vec3; 2], normal: Vec3) -> [Vec3; 2] {
+    axes.map(|axis| (axis - axis.dot(normal) * normal).normalize_or_zero())
+}
+
+/// A direction in a picture, in the texture coordinates that the picture is laid along.
+fn unturned(texture: &Texture, direction: Vec2) -> Vec2 {
+    let Pattern::Image { transform, .. } = &texture.pattern else { return direction };
+    let turned = transform.matrix2.inverse() * direction;
+    turned.normalize_or_zero() * direction.length()
 }
 
 /// Adds lobes for a point of a surface.
@@ -40,13 +64,12 @@ impl Scene {
         boundary: Option<Boundary>,
         lobes: &mut Vec<Lobe>,
     ) -> (Frame, Rgb) {
-        let normal = at.shading_normal;
         if material.is_matte() {
             let weight = self.evaluate(&material.reflectance, at).xyz();
             if weight != Rgb::ZERO {
                 lobes.push(Lobe { kind: Kind::Lambert, weight, share: 1.0 });
             }
-            return (Frame::around(normal), weight);
+            return (self.frame(material, at), weight);
         }
         let frame = self.frame(material, at);
         let mut layers = Layers::new(lobes, above(frame.to_local(outgoing)));
@@ -65,25 +88,39 @@ impl Scene {
         Some(Boundary { eta, inside: !at.front })
     }
 
-    /// The frame of a surface: its first axis is the direction of the facets' anisotropy.
+    /// The frame of a surface: its first axis is the direction of the facets' anisotropy, its third the normal, bent as
+    /// the material wants it.
     fn frame(&self, material: &Material, at: &SurfaceInteraction) -> Frame {
-        let facets = match &material.scattering {
-            Scattering::Conductor { facets, .. } | Scattering::Dielectric { facets } => facets,
-            Scattering::Principled(principled) => &principled.facets,
-            _ => return Frame::around(at.shading_normal),
+        let ground = at.shading_normal;
+        let normal = material.normal.as_ref().map_or(ground, |map| self.bent_normal(map, at));
+        let frame = match brushed(material) {
+            Some(facets) => self.brushed_frame(normal, facets, at),
+            None => Frame::around(normal),
         };
-        if facets.anisotropy.is(0.0) {
-            return Frame::around(at.shading_normal);
-        }
+        if normal == ground { frame } else { frame.bent_from(ground) }
+    }
+
+    fn brushed_frame(&self, normal: Vec3, facets: &Facets, at: &SurfaceInteraction) -> Frame {
         let turn = Vec2::from_angle(facets.rotation);
         let direction = match &facets.direction {
             Some(texture) => 2.0 * self.look_up(texture, at, Role::Data).xy() - 1.0,
             None => Vec2::X,
         };
         let turn = direction.normalize_or(Vec2::X).rotate(turn);
-        // Seen from behind, anticlockwise is the other way round.
-        let turn = if at.front { turn } else { turn * Vec2::new(1.0, -1.0) };
-        Frame::along(at.shading_normal, self.growing_u(at)).turned(turn)
+        let uv_set = facets.direction.as_ref().map_or(0, uv_set);
+        let [along_u, along_v] = flattened(self.growing(at, uv_set), normal);
+        Frame::along(normal, turn.x * along_u + turn.y * along_v)
+    }
+
+    /// The normal that a map gives a point, on the side of the eye.
+    fn bent_normal(&self, map: &NormalMap, at: &SurfaceInteraction) -> Vec3 {
+        let normal = at.shading_normal;
+        let texel = 2.0 * self.look_up(&map.texture, at, Role::Data).xyz() - 1.0;
+        let slope = unturned(&map.texture, texel.xy()) * map.scale;
+        // Seen from behind, hills are valleys.
+        let slope = if at.front { slope } else { -slope };
+        let [along_u, along_v] = flattened(self.growing(at, uv_set(&map.texture)), normal);
+        (slope.x * along_u + slope.y * along_v + texel.z.max(1e-3) * normal).normalize()
     }
 
     /// The fraction of ambient light that the material reflects at a point; `None`: all that it scatters.

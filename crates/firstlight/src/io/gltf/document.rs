@@ -195,6 +195,7 @@ pub(super) struct Material {
     pub(super) pbr_metallic_roughness: Option<Box<MetallicRoughness>>,
     pub(super) emissive_factor: Option<[Real; 3]>,
     pub(super) emissive_texture: Option<Box<TextureInfo>>,
+    pub(super) normal_texture: Option<Box<TextureInfo>>,
     pub(super) alpha_mode: Option<String>,
     pub(super) alpha_cutoff: Option<Real>,
     pub(super) double_sided: bool,
@@ -325,6 +326,8 @@ pub(super) struct TextureInfo {
     pub(super) index: u32,
     #[serde(default)]
     pub(super) tex_coord: u32,
+    /// Of normal textures.
+    pub(super) scale: Option<Real>,
     #[serde(default)]
     pub(super) extensions: TextureInfoExtensions,
 }

@@ -9,8 +9,8 @@ use super::picture::Pictures;
 use crate::color::Rgb;
 use crate::diagnostic::Result;
 use crate::scene::description::{
-    Alpha, Facets, Interior, Material, Pattern, Pixels, Principled, Sampling, Scalar, Scattering,
-    Texture, UvTransform, Wrap,
+    Alpha, Facets, Interior, Material, NormalMap, Pattern, Pixels, Principled, Sampling, Scalar,
+    Scattering, Texture, UvTransform, Wrap,
 };
 use glam::{Affine2, Mat2, Vec2};
 use std::sync::Arc;
@@ -132,6 +132,7 @@ impl Reader<'_, '_, '_> {
             reflectance,
             emission,
             scattering,
+            normal: if unlit { None } else { self.normal(material)? },
             interior: if unlit { None } else { interior(extensions) },
             alpha: self.alpha(material)?,
             double_sided: material.double_sided,
@@ -141,6 +142,15 @@ impl Reader<'_, '_, '_> {
 
     fn name(&self, material: &document::Material, index: u32) -> String {
         material.name.clone().unwrap_or_else(|| format!("material {index}"))
+    }
+
+    fn normal(&mut self, material: &document::Material) -> Result<Option<NormalMap>> {
+        let Some(info) = &material.normal_texture else { return Ok(None) };
+        let texture = self.texture([1.0; 4], Some(info), "normalTexture")?;
+        let scale = info.scale.map_or(1.0, |scale| scale.0);
+        // A stand-in for a missing picture holds colours, not normals.
+        let found = matches!(texture.pattern, Pattern::Image { .. });
+        Ok(found.then_some(NormalMap { texture, scale }))
     }
 
     /// The metallic-roughness surface and its extensions.

@@ -8,7 +8,8 @@ use crate::io::text::{Tally, counted, did_you_mean, quoted};
 use crate::io::triangles::default_material;
 use crate::io::{FileAccess, Warnings};
 use crate::scene::description::{
-    Alpha, Facets, Interior, Material, Principled, Scalar, Scattering, SceneDescription, Texture,
+    Alpha, Facets, Interior, Material, NormalMap, Pattern, Principled, Scalar, Scattering,
+    SceneDescription, Texture,
 };
 use indexmap::IndexMap;
 use std::f32::consts::TAU;
@@ -119,6 +120,7 @@ impl Maker<'_> {
         self.tallies.glowing.add_if(emission != Rgb::ZERO, || mtl.place.clone());
         let matte = Material {
             reflectance,
+            normal: mtl.normal_map.as_ref().and_then(|map| self.normal(map)),
             emission: self.texture(emission, 1.0, map),
             alpha: if opacity < 1.0 || cut_out { Alpha::Blend } else { Alpha::Opaque },
             ..Material::matte(name, Rgb::ZERO)
@@ -127,6 +129,13 @@ impl Maker<'_> {
             Some(index) => self.glass(matte, mtl, index),
             None => self.gloss(matte, mtl),
         }
+    }
+
+    fn normal(&mut self, map: &Map) -> Option<NormalMap> {
+        let texture = self.texture(Rgb::ONE, 1.0, Some(map));
+        // A stand-in for a missing picture holds colours, not normals.
+        let found = matches!(texture.pattern, Pattern::Image { .. });
+        found.then_some(NormalMap { texture, scale: 1.0 })
     }
 
     /// A solid that refracts; its colour is Tf, and d says nothing that Tf does not say better.

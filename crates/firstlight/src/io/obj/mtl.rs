@@ -67,6 +67,8 @@ pub(super) struct Mtl {
     pub(super) clearcoat_roughness: Option<f32>,
     /// aniso
     pub(super) anisotropy: Option<f32>,
+    /// norm
+    pub(super) normal_map: Option<Map>,
     /// anisor, turns
     pub(super) anisotropy_rotation: Option<f32>,
 }
@@ -191,7 +193,8 @@ impl Mtl {
             "aniso" => self.anisotropy = Some(number(words)?),
             "anisor" => self.anisotropy_rotation = Some(number(words)?),
             "ka" | "map_ka" | "map_ns" | "map_ps" | "refl" | "sharpness" => {}
-            "map_bump" | "bump" | "disp" | "decal" | "norm" => {}
+            "norm" | "map_kn" => self.normal_map = Some(Map::read(line, name)?),
+            "map_bump" | "bump" | "disp" | "decal" => {}
             _ => return Ok(false),
         }
         Ok(true)

@@ -8,9 +8,10 @@ use super::substance::{Abbe, Index, Metal};
 use crate::color::Rgb;
 use crate::diagnostic::Result;
 use crate::scene::description::{
-    Alpha, ComplexIndex, Facets, Interior, Material, Principled, Scalar, Scattering, Texture,
+    Alpha, ComplexIndex, Facets, Interior, Material, NormalMap, Principled, Scalar, Scattering,
+    Texture,
 };
-use crate::units::written::{Angle, Size};
+use crate::units::written::{Angle, Number, Size};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -52,6 +53,10 @@ macro_rules! material_keys {
             alpha_cutoff: Option<Fraction>,
             /// Whether the back can be seen. Default true.
             double_sided: Option<bool>,
+            /// A picture of normals that bend those of the surface: red along u, green along v, blue out of it.
+            normal_map: Option<TextureKeys<Reflectance>>,
+            /// How much they bend. Default 1.
+            normal_scale: Option<Number>,
         }
 
         impl $name {
@@ -72,9 +77,12 @@ macro_rules! material_keys {
                     }
                     (None, None) => Alpha::Opaque,
                 };
+                let scale = self.normal_scale.map_or(1.0, |Number(scale)| scale as f32);
+                let normal_map = self.normal_map.map(|keys| pictures.texture(Some(keys), Rgb::ONE));
                 Ok(Material {
                     reflectance,
                     scattering,
+                    normal: normal_map.transpose()?.map(|texture| NormalMap { texture, scale }),
                     emission: pictures.texture(self.emission, Rgb::ZERO)?,
                     alpha,
                     double_sided: self.double_sided.unwrap_or(true),

@@ -11,6 +11,7 @@ macro_rules! texture_list {
         let material = $material;
         let mut list = vec![$($ref)+ material.reflectance, $($ref)+ material.emission];
         list.extend(material.ambient_reflectance.$iter());
+        list.extend(material.normal.$iter().map(|normal| $($ref)+ normal.texture));
         match $($ref)+ material.scattering {
             Scattering::Matte { roughness } => list.push($($ref)+ roughness.texture),
             Scattering::Mirror { mirrored } => list.push(mirrored),
@@ -58,6 +59,8 @@ pub struct Material {
     pub ambient_reflectance: Option<Texture>,
     /// How light is scattered.
     pub scattering: Scattering,
+    /// What bends the normals of the surface.
+    pub normal: Option<NormalMap>,
     /// What is behind the surface, if it is the boundary of a transparent solid.
     pub interior: Option<Interior>,
     /// Radiance added to what leaves the surface, W·sr⁻¹·m⁻².
@@ -80,6 +83,7 @@ impl Material {
             reflectance: Texture::constant(reflectance),
             ambient_reflectance: None,
             scattering: Scattering::Matte { roughness: Scalar::constant(0.0) },
+            normal: None,
             interior: None,
             emission: Texture::constant(Rgb::ZERO),
             emits_behind: true,
@@ -181,6 +185,15 @@ pub struct ComplexIndex {
     pub n: Rgb,
     /// k, at least 0.
     pub k: Rgb,
+}
+
+/// Normals in a picture, for light to fall as if the surface had relief.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NormalMap {
+    /// Red, green and blue, each 0..1 for −1..1: along growing u, along growing v, out of the surface.
+    pub texture: Texture,
+    /// What the first two are multiplied by.
+    pub scale: f32,
 }
 
 /// How the small facets of a rough surface lean.

@@ -84,18 +84,43 @@ pub(crate) enum Kind {
 pub(crate) struct Frame {
     tangent: Vec3,
     normal: Vec3,
+    relief: Option<Relief>,
+}
+
+/// Light that falls on a surface whose normals were bent: the bends stand for small hills, which cast shadows.
+///
+/// Conty Estevez, Lecocq, Stein, *A Microfacet-Based Shadowing Function to Solve the Bump Terminator Problem*, Ray
+/// Tracing Gems ch. 12, 2019.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Relief {
+    /// The normal before it was bent.
+    ground: Vec3,
+    /// Square of the width of facets as steep as the bend.
+    alpha2: f32,
+}
+
+impl Relief {
+    /// The fraction of light from `incoming` that hills do not stop.
+    fn visible(&self, incoming: Vec3) -> f32 {
+        let cos = incoming.dot(self.ground);
+        if cos <= 0.0 {
+            return 0.0;
+        }
+        let tan2 = (1.0 - cos * cos).max(0.0) / (cos * cos);
+        2.0 / (1.0 + (1.0 + self.alpha2 * tan2).sqrt())
+    }
 }
 
 impl Frame {
     /// With any tangent.
     pub(crate) fn around(normal: Vec3) -> Self {
-        Self { tangent: tangents(normal.as_dvec3()).0.as_vec3(), normal }
+        Self { tangent: tangents(normal.as_dvec3()).0.as_vec3(), normal, relief: None }
     }
 
     /// With the tangent nearest to a vector; any if there is none.
     pub(crate) fn along(normal: Vec3, tangent: Vec3) -> Self {
         match (tangent - tangent.dot(normal) * normal).try_normalize() {
-            Some(tangent) => Self { tangent, normal },
+            Some(tangent) => Self { tangent, normal, relief: None },
             None => Self::around(normal),
         }
     }
@@ -104,6 +129,18 @@ impl Frame {
     pub(crate) fn turned(self, turn: Vec2) -> Self {
         let bitangent = self.normal.cross(self.tangent);
         Self { tangent: turn.x * self.tangent + turn.y * bitangent, ..self }
+    }
+
+    /// The same frame, for a normal that was bent away from `ground`.
+    pub(crate) fn bent_from(self, ground: Vec3) -> Self {
+        let cos = self.normal.dot(ground).clamp(0.1, 1.0);
+        let alpha2 = 0.125 * (1.0 - cos * cos) / (cos * cos);
+        Self { relief: Some(Relief { ground, alpha2 }), ..self }
+    }
+
+    /// The fraction of light from the world's direction `incoming` that bends of the normal leave.
+    fn visible(&self, incoming: Vec3) -> f32 {
+        self.relief.as_ref().map_or(1.0, |relief| relief.visible(incoming))
     }
 
     /// The third axis.
@@ -156,9 +193,12 @@ impl Bsdf<'_> {
     pub(crate) fn eval(&self, incoming: Vec3) -> (Rgb, f32) {
         if let [Lobe { kind: Kind::Lambert, weight, share }] = *self.lobes {
             let density = incoming.dot(self.frame.normal).max(0.0) * FRAC_1_PI;
-            return (weight * density, share * density);
+            return (weight * density * self.frame.visible(incoming), share * density);
         }
-        self.eval_local(self.local_outgoing(), self.frame.to_local(incoming))
+        let local = self.frame.to_local(incoming);
+        let (value, pdf) = self.eval_local(self.local_outgoing(), local);
+        // What comes through has no hills before it.
+        (if local.z > 0.0 { value * self.frame.visible(incoming) } else { value }, pdf)
     }
 
     fn eval_local(&self, outgoing: Vec3, incoming: Vec3) -> (Rgb, f32) {
@@ -178,6 +218,7 @@ impl Bsdf<'_> {
         if let [Lobe { kind: Kind::Lambert, weight, .. }] = *self.lobes {
             let local = cosine_weighted(u);
             let (incoming, pdf) = (self.frame.to_world(local), local.z * FRAC_1_PI);
+            let weight = weight * self.frame.visible(incoming);
             let sample = BsdfSample { incoming, weight, pdf, through: false, straight: false };
             return (pdf > 0.0).then_some(sample);
         }
@@ -193,9 +234,10 @@ impl Bsdf<'_> {
             });
         }
         let local = lobe.sample(outgoing, choice, u)?;
-        let (value, pdf) = self.eval_local(outgoing, local);
+        let incoming = self.frame.to_world(local);
+        let (value, pdf) = self.eval(incoming);
         (pdf > 0.0).then(|| BsdfSample {
-            incoming: self.frame.to_world(local),
+            incoming,
             weight: value / pdf,
             pdf,
             through: local.z < 0.0,

@@ -30,7 +30,7 @@ fn principled_lobes(outgoing: Vec3, point: &PrincipledPoint) -> Vec<Lobe> {
 }
 
 fn bsdf(outgoing: Vec3, lobes: &[Lobe]) -> Bsdf<'_> {
-    let frame = Frame { tangent: Vec3::X, normal: Vec3::Z };
+    let frame = Frame { tangent: Vec3::X, normal: Vec3::Z, relief: None };
     Bsdf { frame, outgoing, lobes }
 }
 
