@@ -87,6 +87,11 @@ impl Camera {
         }
     }
 
+    /// Whether rays depend on the point of the lens they go through.
+    pub fn has_lens(&self) -> bool {
+        matches!(self.lens, Lens::Thin { .. })
+    }
+
     /// Where the light at the camera is, m; `None` if the camera is infinitely far away.
     pub(crate) fn eye(&self) -> Option<DVec3> {
         let parallel = matches!(self.lens, Lens::Parallel);

@@ -4,7 +4,7 @@ use crate::film::{FilterSampler, Tile, assemble};
 use crate::geometry::Ray;
 use crate::image::Image;
 use crate::integrator::{FILM, Gatherer, LENS, RayCounts};
-use crate::sampler::{PathPoints, Sampler};
+use crate::sampler::{PathPoints, Sampler, pairs};
 use crate::scene::Scene;
 use crate::simd::{Kernel, Simd};
 use glam::Vec2;
@@ -201,25 +201,31 @@ impl Kernel for TilePass<'_> {
         let Self { render, tile, samples, worker } = self;
         let (camera, film) = (render.scene.camera(), render.scene.film());
         let sampler = Sampler::new(film.seed, film.samples);
-        worker.rays.clear();
-        worker.points.clear();
-        worker.places.clear();
+        let Worker { pixels, points, film_points, lens_points, rays, weights, .. } = worker;
+        pixels.clear();
+        points.clear();
         for index in tile.order() {
             let [x, y] = tile.place(index);
-            let center = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
-            for sample in samples.clone() {
-                let points = sampler.points(x, y, sample);
-                let (shift, weight) = render.filter.place(points.pair(FILM));
-                worker.rays.push(camera.ray(center + shift, points.pair(LENS)));
-                worker.points.push(points);
-                worker.places.push((index, weight));
-            }
+            pixels.extend(samples.clone().map(|_| index));
+            points.extend(samples.clone().map(|sample| sampler.points(x, y, sample)));
         }
-        let Worker { rays, points, places, gatherer, dropped } = &mut *worker;
-        let samples = gatherer.gather(render.scene, film.transparent, rays, points);
-        for (sample, &(index, weight)) in samples.iter().zip(&*places) {
-            if !tile.pixels[index].add(sample, weight) {
-                dropped.get_or_insert((tile.place(index), 0)).1 += 1;
+        pairs(points, FILM, film_points);
+        if camera.has_lens() {
+            pairs(points, LENS, lens_points);
+        }
+        rays.clear();
+        weights.clear();
+        for (i, (&pixel, &film_point)) in pixels.iter().zip(&*film_points).enumerate() {
+            let [x, y] = tile.place(pixel);
+            let (shift, weight) = render.filter.place(film_point);
+            let place = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + shift;
+            rays.push(camera.ray(place, lens_points.get(i).copied().unwrap_or_default()));
+            weights.push(weight);
+        }
+        let samples = worker.gatherer.gather(render.scene, film.transparent, rays, points);
+        for ((sample, &pixel), &weight) in samples.iter().zip(&*pixels).zip(&*weights) {
+            if !tile.pixels[pixel].add(sample, weight) {
+                worker.dropped.get_or_insert((tile.place(pixel), 0)).1 += 1;
             }
         }
     }
@@ -228,11 +234,16 @@ impl Kernel for TilePass<'_> {
 /// What one thread keeps from tile to tile.
 #[derive(Default)]
 struct Worker {
-    rays: Vec<Ray>,
-    /// What decides about each ray's path.
+    /// Index of each path's pixel in the tile.
+    pixels: Vec<usize>,
+    /// What decides about each path.
     points: Vec<PathPoints>,
-    /// Pixel and filter weight of each ray.
-    places: Vec<(usize, f32)>,
+    /// Where each path crosses the film, and the lens if that matters: pairs of numbers in 0..1.
+    film_points: Vec<Vec2>,
+    lens_points: Vec<Vec2>,
+    /// Each path's first ray and its weight under the filter.
+    rays: Vec<Ray>,
+    weights: Vec<f32>,
     gatherer: Gatherer,
     /// First pixel with a dropped sample, and how many were dropped.
     dropped: Option<([u32; 2], u64)>,

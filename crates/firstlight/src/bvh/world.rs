@@ -3,7 +3,7 @@
 use super::BuildQuality;
 use super::reference::{Item, Reference, Triangles};
 use super::wide;
-use crate::geometry::{Analytic, Bounds, Hit, Ray};
+use crate::geometry::{Analytic, Bounds, DOUBLE_ERROR, Hit, Ray};
 use crate::kernels::{FLATTENED, HitFilter, Others, Search, Stack, Tree, search};
 use crate::scene::description::Mesh;
 use crate::simd::{Level, Simd};
@@ -29,7 +29,7 @@ pub(crate) struct MeshPart {
     pub flags: u32,
     /// Whether the tree has the positions as they are in the mesh.
     stays: bool,
-    magnitude: f64,
+    error: f64,
 }
 
 impl MeshPart {
@@ -49,13 +49,13 @@ impl MeshPart {
             instanced,
             flags,
             stays,
-            magnitude,
+            error: DOUBLE_ERROR * magnitude,
         }
     }
 
-    /// The largest number that its positions are computed from, m.
-    pub(crate) fn magnitude(&self) -> f64 {
-        self.magnitude
+    /// How far its positions may be off for having been computed in double precision, m.
+    pub(crate) fn error(&self) -> f64 {
+        self.error
     }
 
     /// A corner as the tree of this part has it: in the mesh's space if instanced, else in the world.
@@ -189,8 +189,13 @@ impl World {
         if hit.surface != FLATTENED {
             return *hit;
         }
-        let (surface, primitive) = locate(&self.flattened, hit.primitive);
-        Hit { surface, primitive, ..*hit }
+        let (surface, triangle) = locate(&self.flattened, hit.primitive);
+        match self.parts[surface as usize] {
+            Part::Mesh(_) => Hit { surface, primitive: triangle, ..*hit },
+            Part::Analytic(..) => {
+                Hit { surface, primitive: triangle / 2, u: 0.0, v: 0.0, t: hit.t }
+            }
+        }
     }
 }
 
@@ -309,7 +314,7 @@ impl Triangles for FlattenedTriangles<'_> {
         let (surface, triangle) = locate(self.flattened, number);
         match &self.parts[surface as usize] {
             Part::Mesh(part) => part.triangle(triangle),
-            Part::Analytic(..) => unreachable!("only meshes have triangles"),
+            Part::Analytic(shape, flags) => (shape.triangle(triangle), *flags),
         }
     }
 }
@@ -336,11 +341,22 @@ impl TopBuilder {
                 self.other(surface, Bounds::of_mapped(lo, hi, &part.to_world));
             }
             (Part::Mesh(_), Some(_)) => {}
-            (Part::Analytic(shape, _), _) => match shape.bounds() {
-                Some(bounds) => self.other(surface, bounds),
-                None => self.endless.push(surface),
+            (Part::Analytic(shape, _), _) => match (shape.triangle_count(), shape.bounds()) {
+                (0, Some(bounds)) => self.other(surface, bounds),
+                (0, None) => self.endless.push(surface),
+                (count, _) => self.squares(surface, shape, count),
             },
         }
+    }
+
+    /// What is made of squares goes in as `count` triangles.
+    fn squares(&mut self, surface: u32, shape: &Analytic, count: u32) {
+        self.flattened.push((self.triangles, surface));
+        self.references.extend((0..count).map(|number| {
+            let bounds = Bounds::around(shape.triangle(number));
+            Reference::new(bounds, Item::Triangle(self.triangles + number))
+        }));
+        self.triangles += count;
     }
 
     fn other(&mut self, surface: u32, bounds: Bounds) {

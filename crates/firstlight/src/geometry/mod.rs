@@ -10,3 +10,6 @@ pub(crate) use bounds::Bounds;
 pub use ray::Hit;
 pub use ray::Ray;
 pub use triangle::solid_angle;
+
+/// What double precision may be off in places computed from numbers of size 1: some forty roundings.
+pub(crate) const DOUBLE_ERROR: f64 = 1e-14;

@@ -447,7 +447,7 @@ impl Vertex {
         let sample = light.sample(self.starts[0].as_dvec3(), u)?;
         let (scattered, pdf, start) = self.scattered(lobes, sample.incoming.as_vec3())?;
         let radiance = scene.emitted_by(light, &sample) / (sample.pdf as f32 + pdf);
-        Some((sample.shadow_ray(start, 0.0), scattered * radiance))
+        Some((sample.shadow_ray(start, 0.0, light.error), scattered * radiance))
     }
 
     /// From behind everything.

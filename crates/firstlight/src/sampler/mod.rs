@@ -47,10 +47,49 @@ impl PathPoints {
     /// The point of a pair of dimensions, each coordinate in 0..1. Pairs with different numbers are independent.
     #[inline(always)]
     pub(crate) fn pair(&self, number: u32) -> Vec2 {
-        let first = hash(self.sequence ^ u64::from(number));
+        Coins::new(self.sequence, number).point(self.reversed)
+    }
+}
+
+/// The same pair of dimensions of many paths, as [`PathPoints::pair`]; replaces what is in `pairs`.
+///
+/// Paths of one sequence share their coins, and what is left is done for several at a time.
+#[inline(always)]
+pub(crate) fn pairs(paths: &[PathPoints], number: u32, pairs: &mut Vec<Vec2>) {
+    pairs.clear();
+    pairs.resize(paths.len(), Vec2::ZERO);
+    let mut rest = pairs.as_mut_slice();
+    for paths in paths.chunk_by(|a, b| a.sequence == b.sequence) {
+        let coins = Coins::new(paths[0].sequence, number);
+        let (own, others) = rest.split_at_mut(paths.len());
+        for (pair, path) in own.iter_mut().zip(paths) {
+            *pair = coins.point(path.reversed);
+        }
+        rest = others;
+    }
+}
+
+/// What a sequence's pair of dimensions is scrambled by.
+#[derive(Clone, Copy)]
+struct Coins {
+    order: u32,
+    x: u32,
+    y: u32,
+}
+
+impl Coins {
+    #[inline(always)]
+    fn new(sequence: u64, number: u32) -> Self {
+        let first = hash(sequence ^ u64::from(number));
         let order = (first.wrapping_mul(0xd6e8_feb8_6659_fd93) >> 32) as u32;
-        let index = scramble(self.reversed, order).reverse_bits();
-        let (x, y) = (scramble(index, first as u32), scramble(pascal(index), (first >> 32) as u32));
+        Self { order, x: first as u32, y: (first >> 32) as u32 }
+    }
+
+    /// The point at a place in the sequence with its bits reversed.
+    #[inline(always)]
+    fn point(self, reversed: u32) -> Vec2 {
+        let index = scramble(reversed, self.order).reverse_bits();
+        let (x, y) = (scramble(index, self.x), scramble(pascal(index), self.y));
         Vec2::new(unit(x.reverse_bits()), unit(y.reverse_bits()))
     }
 }

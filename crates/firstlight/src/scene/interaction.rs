@@ -65,7 +65,7 @@ fn on_analytic(shape: &Analytic, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
         hit: *hit,
         position,
         front: outward.dot(ray.direction) < 0.0,
-        clearance: clearance(normal, position.abs(), shape.magnitude()),
+        clearance: clearance(normal, position.abs(), shape.error()),
         lift: Vec3::ZERO,
         geometric_normal: normal,
         shading_normal: normal,
@@ -88,7 +88,7 @@ fn on_mesh(part: &MeshPart, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
         hit: *hit,
         position: position.as_vec3(),
         front: (wound.dot(ray.direction) < 0.0) != part.mirrored,
-        clearance: clearance(outward, rounded(part, position, local), part.magnitude()),
+        clearance: clearance(outward, rounded(part, position, local), part.error()),
         lift: Vec3::ZERO,
         geometric_normal: outward,
         shading_normal: outward,
@@ -120,13 +120,13 @@ fn smooth(interaction: &mut SurfaceInteraction, part: &MeshPart, corners: [Vec3;
     interaction.lift = lift(interaction.position, corners.map(in_world), normals, weights);
 }
 
-/// The unit normal, on the side that the ray comes from; against the ray if there is none.
+/// A unit normal, on the side that the ray comes from; against the ray if it is zero.
 #[inline(always)]
 fn facing(normal: Vec3, ray: &Ray) -> Vec3 {
-    match normal.try_normalize() {
-        Some(normal) if normal.dot(ray.direction) > 0.0 => -normal,
-        Some(normal) => normal,
-        None => -ray.direction,
+    match normal.dot(ray.direction) {
+        _ if normal == Vec3::ZERO => -ray.direction,
+        cos if cos > 0.0 => -normal,
+        _ => normal,
     }
 }
 

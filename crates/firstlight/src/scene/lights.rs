@@ -20,12 +20,12 @@ pub(super) fn area_lights(
     let mut lights = AreaLights::default();
     for (part, &material) in world.parts().iter().zip(material_of) {
         let material = &materials[material as usize];
-        let shapes = match part {
-            _ if !emits(material) => Vec::new(),
-            Part::Analytic(shape, _) => shapes(shape),
-            Part::Mesh(part) => triangles(part),
+        let (shapes, error) = match part {
+            _ if !emits(material) => (Vec::new(), 0.0),
+            Part::Analytic(shape, _) => (shapes(shape), shape.error()),
+            Part::Mesh(part) => (triangles(part), part.error()),
         };
-        lights.push(shapes, material.double_sided && material.emits_behind);
+        lights.push(shapes, material.double_sided && material.emits_behind, error);
     }
     lights
 }

@@ -10,7 +10,7 @@ use crate::shading::bsdf::{
 };
 use crate::shading::interaction::SurfaceInteraction;
 use crate::shading::texture::{Role, uv_set};
-use glam::{Vec2, Vec3, Vec4Swizzles};
+use glam::{Vec2, Vec3, Vec3Swizzles, Vec4Swizzles};
 
 /// A boundary between two media as light that leaves it sees it.
 #[derive(Debug, Clone, Copy, PartialEq)]

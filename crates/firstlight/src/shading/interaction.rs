@@ -47,12 +47,12 @@ impl SurfaceInteraction {
 
 /// [`SurfaceInteraction::clearance`] of a point with the given unit normal.
 ///
-/// `rounded`: absolute values of every number that was rounded to f32 on the way, per axis; `magnitude`: the largest
-/// number that double precision rounded. Each f32 is off by half an ulp, and so is the sum with the clearance; the
+/// `rounded`: absolute values of every number that was rounded to f32 on the way, per axis; `error`: how far off
+/// they were before, m. Each f32 is off by half an ulp, and so is the sum with the clearance; the
 /// factor of two is margin.
 #[inline(always)]
-pub(crate) fn clearance(normal: Vec3, rounded: Vec3, magnitude: f64) -> f32 {
-    2.0 * f32::EPSILON * normal.abs().dot(rounded) + (1e-14 * magnitude) as f32
+pub(crate) fn clearance(normal: Vec3, rounded: Vec3, error: f64) -> f32 {
+    2.0 * f32::EPSILON * normal.abs().dot(rounded) + error as f32
 }
 
 /// [`SurfaceInteraction::lift`] of the point with weights `weights` between three corners with unit normals.

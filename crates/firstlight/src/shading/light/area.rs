@@ -16,6 +16,8 @@ pub(crate) struct AreaLight {
     pub primitive: u32,
     /// Whether its back emits as well.
     pub two_sided: bool,
+    /// How far off its points may be from where rays meet it, m.
+    pub error: f64,
 }
 
 impl AreaLight {
@@ -39,13 +41,15 @@ pub(crate) struct AreaLights {
 
 impl AreaLights {
     /// Adds the next surface. `shapes` are its parts by number, those that can be sampled; none if it does not emit.
-    pub(crate) fn push(&mut self, shapes: Vec<Option<LightShape>>, two_sided: bool) {
+    /// Rays may meet them up to `error` off, m.
+    pub(crate) fn push(&mut self, shapes: Vec<Option<LightShape>>, two_sided: bool, error: f64) {
         let surface = self.first.len() as u32;
         self.first.push((!shapes.is_empty()).then_some(self.index_of.len() as u32));
         for (primitive, shape) in shapes.into_iter().enumerate() {
             self.index_of.push(shape.map(|_| self.lights.len() as u32));
             let primitive = primitive as u32;
-            let light = shape.map(|shape| AreaLight { shape, surface, primitive, two_sided });
+            let light =
+                shape.map(|shape| AreaLight { shape, surface, primitive, two_sided, error });
             self.lights.extend(light);
         }
     }
@@ -76,12 +80,12 @@ pub(crate) fn shapes(surface: &Analytic) -> Vec<Option<LightShape>> {
 }
 
 impl ShapeSample {
-    /// The shadow ray from `start` that ends just before the light, on the side that is seen.
+    /// The shadow ray from `start` that ends just before the light, up to `error` off, on the side that is seen.
     #[inline(always)]
-    pub(crate) fn shadow_ray(&self, start: Vec3, t_min: f32) -> Ray {
+    pub(crate) fn shadow_ray(&self, start: Vec3, t_min: f32, error: f64) -> Ray {
         let toward = if self.normal.dot(self.incoming) < 0.0 { self.normal } else { -self.normal };
         let (normal, position) = (toward.as_vec3(), self.position.as_vec3());
-        let end = position + clearance(normal, position.abs() + start.abs(), 0.0) * normal;
+        let end = position + clearance(normal, position.abs() + start.abs(), error) * normal;
         let distance = (end - start).length();
         let t_max = distance * (1.0 - 4.0 * f32::EPSILON);
         Ray { origin: start, direction: (end - start) / distance, t_min, t_max }

@@ -77,17 +77,17 @@ impl LightSample {
         let to_light = to_light + (point - origin);
         let distance = to_light.length();
         let t_max = distance * (1.0 - 4.0 * f32::EPSILON);
-        Ray { origin, direction: to_light / distance, t_min, t_max }
+        Ray { origin, direction: to_light * distance.recip(), t_min, t_max }
     }
 }
 
-/// The lecture's E = I / r²: intensity × geometry factor.
+/// The lecture's E = I / r²: intensity × geometry factor. Places are subtracted in double precision.
 #[inline(always)]
 fn from_point(position: DVec3, intensity: Rgb, point: DVec3) -> Option<LightSample> {
-    let to_light = position - point;
-    let incoming = to_light.normalize().as_vec3();
-    let distance = to_light.length() as f32;
-    let irradiance = intensity / distance / distance;
+    let to_light = (position - point).as_vec3();
+    let distance = to_light.length();
+    let nearness = distance.recip();
+    let (incoming, irradiance) = (to_light * nearness, intensity * nearness * nearness);
     incoming.is_finite().then_some(LightSample { incoming, distance, irradiance })
 }
 

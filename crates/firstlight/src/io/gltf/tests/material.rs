@@ -145,6 +145,7 @@ fn textures_give_the_channels_that_gltf_names() {
     let (material, _) = textured(info.clone(), |document| {
         let pbr = &mut document["materials"][0]["pbrMetallicRoughness"];
         pbr["metallicRoughnessTexture"] = info.clone();
+        pbr["metallicFactor"] = json!(1);
         document["materials"][0]["extensions"] = json!({
             "KHR_materials_sheen": { "sheenColorFactor": [1, 1, 1], "sheenRoughnessFactor": 1,
                 "sheenRoughnessTexture": info },
