@@ -125,12 +125,6 @@ impl Frame {
         }
     }
 
-    /// The same frame turned around its normal by the angle with this cosine and sine.
-    pub(crate) fn turned(self, turn: Vec2) -> Self {
-        let bitangent = self.normal.cross(self.tangent);
-        Self { tangent: turn.x * self.tangent + turn.y * bitangent, ..self }
-    }
-
     /// The same frame, for a normal that was bent away from `ground`.
     pub(crate) fn bent_from(self, ground: Vec3) -> Self {
         let cos = self.normal.dot(ground).clamp(0.1, 1.0);
