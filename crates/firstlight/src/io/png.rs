@@ -9,6 +9,7 @@ use crate::scene::description::Pixels;
 use png::{
     BitDepth as PngDepth, ColorType, Compression, DecodeOptions, Decoder, Encoder, Transformations,
 };
+use rayon::prelude::*;
 use std::io::Cursor;
 
 /// How much data deflate can put into a byte of file, rounded up.
@@ -80,21 +81,37 @@ pub(super) fn encode(
 }
 
 fn codes8(image: &Image, channels: usize, develop: Develop) -> Vec<u8> {
-    let codes = image.pixels().iter().flat_map(|&pixel| {
+    codes(image, channels, |pixel| {
         let [r, g, b, a] = develop.display(pixel);
         let alpha = (a * f32::from(u8::MAX)).round() as u8;
-        [srgb_code8(r), srgb_code8(g), srgb_code8(b), alpha].into_iter().take(channels)
-    });
-    codes.collect()
+        [srgb_code8(r), srgb_code8(g), srgb_code8(b), alpha]
+    })
 }
 
 fn codes16(image: &Image, channels: usize, develop: Develop) -> Vec<u8> {
-    let codes = image.pixels().iter().flat_map(|&pixel| {
+    let codes = codes(image, channels, |pixel| {
         let [r, g, b, a] = develop.display(pixel);
         let alpha = (a * f32::from(u16::MAX)).round() as u16;
-        [srgb_code16(r), srgb_code16(g), srgb_code16(b), alpha].into_iter().take(channels)
+        [srgb_code16(r), srgb_code16(g), srgb_code16(b), alpha].map(u16::to_be_bytes)
     });
-    codes.flat_map(u16::to_be_bytes).collect()
+    codes.into_flattened()
+}
+
+/// The first `channels` codes of every pixel, many pixels at the same time.
+fn codes<T: Copy + Default + Send>(
+    image: &Image,
+    channels: usize,
+    code: impl Fn([f32; 4]) -> [T; 4] + Sync,
+) -> Vec<T> {
+    const PIXELS: usize = 4096;
+    let mut codes = vec![T::default(); image.pixels().len() * channels];
+    let parts = codes.par_chunks_mut(PIXELS * channels).zip(image.pixels().par_chunks(PIXELS));
+    parts.for_each(|(codes, pixels)| {
+        for (own, &pixel) in codes.chunks_exact_mut(channels).zip(pixels) {
+            own.copy_from_slice(&code(pixel)[..channels]);
+        }
+    });
+    codes
 }
 
 /// Plain ASCII as tEXt, which every program reads; the rest as iTXt, which holds UTF-8.
