@@ -2,6 +2,7 @@
 
 use crate::measure::Requests;
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use firstlight::color::View;
 use firstlight::io::scene_file::Override;
 use firstlight::io::{BitDepth, Format, Precision};
 use firstlight::render::Crop;
@@ -104,6 +105,9 @@ pub(crate) struct RenderArgs {
     /// Stops of exposure (0: radiance 1 is white), or auto
     #[arg(long, value_name = "EV|auto", value_parser = exposure, allow_hyphen_values = true)]
     pub exposure: Option<Exposure>,
+    /// How bright light is brought into what screens show [default: srgb, cut off at white]
+    #[arg(long, value_name = "srgb|neutral|agx|aces|filmic|raw", value_parser = view)]
+    pub view: Option<View>,
     /// Make the background transparent
     #[arg(long)]
     pub transparent: bool,
@@ -145,6 +149,9 @@ pub(crate) struct MergeArgs {
     /// Stops of exposure (0: radiance 1 is white), or auto [default: as the parts were to be shown]
     #[arg(long, value_name = "EV|auto", value_parser = exposure, allow_hyphen_values = true)]
     pub exposure: Option<Exposure>,
+    /// How bright light is shown [default: as the parts were to be shown]
+    #[arg(long, value_name = "srgb|neutral|agx|aces|filmic|raw", value_parser = view)]
+    pub view: Option<View>,
     /// Make a picture even if there are samples missing
     #[arg(long)]
     pub partial: bool,
@@ -199,6 +206,9 @@ pub(crate) struct StudioArgs {
     /// Which axis of the file points up [default: z for STL, else y]
     #[arg(long, value_enum, value_name = "AXIS")]
     pub up: Option<Axis>,
+    /// Which look of a glTF file with variants is shown
+    #[arg(long, value_name = "NAME")]
+    pub variant: Option<String>,
     /// Length of 1 in the file, such as mm or "2.5 cm" [default: 1 m]
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     pub unit: Option<String>,
@@ -460,6 +470,12 @@ fn exposure(text: &str) -> Parsed<Exposure> {
     }
     let wrong = |error| format!("{error}; or auto");
     number(text, FilmDescription::MOST_STOPS).map(Exposure::Ev).map_err(wrong)
+}
+
+fn view(text: &str) -> Parsed<View> {
+    let known = View::NAMES.iter().find(|(name, _)| *name == text);
+    let wrong = || "known are srgb, neutral, agx, aces, filmic and raw".to_owned();
+    known.map(|(_, view)| *view).ok_or_else(wrong)
 }
 
 /// Degrees as radians, within a full turn either way.

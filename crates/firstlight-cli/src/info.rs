@@ -311,7 +311,16 @@ fn material_text(material: &Material) -> String {
         false => String::new(),
     };
     let sides = if material.double_sided { "" } else { ", one-sided" };
-    format!("matte, reflectance {}{emission}{sides}", texture(&material.reflectance))
+    let (kind, color) = match &material.scattering {
+        Scattering::Matte { .. } => ("matte", "reflectance"),
+        Scattering::Mirror { .. } => ("mirror", "ground"),
+        Scattering::Conductor { .. } => ("metal", "color"),
+        Scattering::Dielectric { .. } => ("glass", "tint"),
+        Scattering::ThinGlass { .. } => ("pane of glass", "tint"),
+        Scattering::Principled(_) => ("principled", "base color"),
+        Scattering::Mix { .. } => ("mix", "color"),
+    };
+    format!("{kind}, {color} {}{emission}{sides}", texture(&material.reflectance))
 }
 
 fn camera_text(camera: &CameraDescription) -> String {
@@ -338,5 +347,8 @@ fn film_text(film: &FilmDescription) -> String {
     };
     let transparent = if film.transparent { ", transparent" } else { "" };
     let FilmDescription { width, height, samples, seed, .. } = film;
-    format!("{width} × {height}, {samples} samples, seed {seed}, {exposure}{transparent}")
+    let view = film.view.name();
+    format!(
+        "{width} × {height}, {samples} samples, seed {seed}, {exposure}, view {view}{transparent}"
+    )
 }

@@ -25,7 +25,9 @@ pub(crate) fn run(args: &MergeArgs) -> Outcome {
     let inputs = args.parts.iter().filter_map(|path| path.canonicalize().ok());
     output.spare(&inputs.collect())?;
     let exposure = args.exposure.unwrap_or(info.exposure.map_or(Exposure::Auto, Exposure::Ev));
-    let picture = Picture::new(Rendered::of_film(film, info.count()), exposure, output.format);
+    let view = args.view.unwrap_or(info.view);
+    let rendered = Rendered::of_film(film, info.count());
+    let picture = Picture::new(rendered, exposure, view, output.format);
     write_picture(&info, &picture, &output)?;
     tell(args, &info, &picture, &output)?;
     Ok(Exit::Done)

@@ -7,6 +7,7 @@ use crate::machine::{self, Signal};
 use crate::output::{Output, print_json};
 use crate::report::{self, Bar};
 use crate::{Exit, Failure, Outcome, studio, verdict};
+use firstlight::color::View;
 use firstlight::diagnostic::{Diagnostic, Result, visible};
 use firstlight::io::{Develop, FileAccess, Format, Metadata, PartInfo, Warnings, save, save_part};
 use firstlight::render::{
@@ -28,6 +29,7 @@ pub(crate) struct Picture {
     pub rendered: Rendered,
     pub exposure_ev: f64,
     pub auto_exposure: bool,
+    pub view: View,
     pub format: Format,
 }
 
@@ -99,6 +101,7 @@ fn set_film(scene: &mut SceneDescription, args: &RenderArgs) {
     film.samples = args.spp.unwrap_or(film.samples);
     film.seed = args.seed.unwrap_or(film.seed);
     film.exposure = args.exposure.unwrap_or(film.exposure);
+    film.view = args.view.unwrap_or(film.view);
     film.transparent |= args.transparent;
 }
 
@@ -165,7 +168,7 @@ fn draw(
     });
     bar.finish();
     rendered.interrupted |= signal.asked();
-    Picture::new(rendered, scene.film().exposure, format)
+    Picture::new(rendered, scene.film().exposure, scene.film().view, format)
 }
 
 impl RenderArgs {
@@ -178,12 +181,12 @@ impl RenderArgs {
 
 impl Picture {
     /// With the exposure that is asked for, or found from the picture.
-    pub(crate) fn new(rendered: Rendered, exposure: Exposure, format: Format) -> Self {
+    pub(crate) fn new(rendered: Rendered, exposure: Exposure, view: View, format: Format) -> Self {
         let (exposure_ev, auto_exposure) = match exposure {
             Exposure::Ev(ev) => (ev, false),
             Exposure::Auto => (auto_exposure(&rendered.image), true),
         };
-        Self { rendered, exposure_ev, auto_exposure, format }
+        Self { rendered, exposure_ev, auto_exposure, view, format }
     }
 }
 
@@ -247,8 +250,8 @@ fn write(
 
 /// Writes a picture and how it was made.
 pub(crate) fn write_picture(info: &PartInfo, picture: &Picture, output: &Output) -> Outcome<()> {
-    let develop = Develop { exposure_ev: picture.exposure_ev as f32 };
-    let metadata = metadata(info, picture.exposure_ev);
+    let develop = Develop { exposure_ev: picture.exposure_ev as f32, view: picture.view };
+    let metadata = metadata(info, picture);
     let bytes = save(&picture.rendered.image, output.format, develop, &metadata)
         .map_err(|error| Failure { exit: Exit::Failed, error })?;
     output.write(&bytes)
@@ -270,12 +273,13 @@ fn info(args: &RenderArgs, scene: &SceneDescription, picture: &Picture) -> PartI
         samples: film.samples,
         seed: film.seed,
         exposure: if let Exposure::Ev(ev) = film.exposure { Some(ev) } else { None },
+        view: film.view,
         ranges: vec![[from, from + rendered.samples]],
     }
 }
 
 /// How the picture was made.
-fn metadata(info: &PartInfo, exposure_ev: f64) -> Metadata {
+fn metadata(info: &PartInfo, picture: &Picture) -> Metadata {
     let ([width, height], [x, y, w, h]) = (info.resolution, info.crop);
     let crop =
         if [w, h] == [width, height] { String::new() } else { format!(", crop {x},{y},{w},{h}") };
@@ -284,7 +288,8 @@ fn metadata(info: &PartInfo, exposure_ev: f64) -> Metadata {
         ("Resolution", format!("{width}x{height}{crop}")),
         ("Samples", info.count().to_string()),
         ("Seed", info.seed.to_string()),
-        ("Exposure", format!("{exposure_ev:+} EV")),
+        ("Exposure", format!("{:+} EV", picture.exposure_ev)),
+        ("View", picture.view.name().to_owned()),
         ("Camera", info.camera.clone()),
         ("Command", command_line()),
     ];

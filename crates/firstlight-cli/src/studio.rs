@@ -43,6 +43,11 @@ impl StudioArgs {
                 self.unit.is_some(),
                 "set unit in its [models.NAME], or -D models.NAME.unit=mm",
             ),
+            (
+                "--variant",
+                self.variant.is_some(),
+                "set variant in its [models.NAME], or -D models.NAME.variant=…",
+            ),
         ];
         let Some((flag, _, help)) = given.into_iter().find(|(_, given, _)| *given) else {
             return Ok(());
@@ -51,10 +56,11 @@ impl StudioArgs {
         Err(Box::new(Diagnostic::new(flag, message).help(help)))
     }
 
-    /// What `--up` and `--unit` set in the scene around the model at `path`.
+    /// What `--up`, `--unit` and `--variant` set in the scene around the model at `path`.
     pub(crate) fn overrides(&self, path: &Path) -> Result<Vec<Override>> {
         let up = self.up.map(|axis| if axis == Axis::Y { "y" } else { "z" });
-        let values = [("up", up), ("unit", self.unit.as_deref())];
+        let unit = ("unit", self.unit.as_deref());
+        let values = [("up", up), unit, ("variant", self.variant.as_deref())];
         let given = values.into_iter().filter_map(|(key, value)| Some((key, value?)));
         given.map(|(key, value)| model_override(path, key, value)).collect()
     }

@@ -2,7 +2,7 @@
 
 use crate::render::Picture;
 use firstlight::SceneDescription;
-use firstlight::color::srgb_code8;
+use firstlight::color::{View, srgb_code8};
 use firstlight::diagnostic::Diagnostic;
 use firstlight::io::{Develop, Format};
 use firstlight::scene::description::{FilmDescription, Integrator};
@@ -47,7 +47,7 @@ pub(crate) fn unlit(scene: &SceneDescription) -> Option<Diagnostic> {
 
 /// Everything that is odd about a picture.
 pub(crate) fn judge(scene: &SceneDescription, picture: &Picture) -> Vec<Diagnostic> {
-    let warnings = [dropped(picture), dark(scene, picture), clipped(picture)];
+    let warnings = [dropped(picture), dark(scene, picture), clipped(scene, picture)];
     warnings.into_iter().flatten().collect()
 }
 
@@ -71,7 +71,7 @@ fn dark(scene: &SceneDescription, picture: &Picture) -> Option<Diagnostic> {
         let error = Diagnostic::new("", "no light reaches what the camera sees: it is all black");
         return Some(error.help("add a light, or move the lights there are"));
     }
-    let develop = Develop { exposure_ev: picture.exposure_ev as f32 };
+    let develop = Develop { exposure_ev: picture.exposure_ev as f32, view: scene.film.view };
     let [shown, ..] = develop.display([rendered.brightest, 0.0, 0.0, 1.0]);
     let black = is_developed(picture.format) && srgb_code8(shown) == 0;
     black.then(|| {
@@ -84,17 +84,18 @@ fn dark(scene: &SceneDescription, picture: &Picture) -> Option<Diagnostic> {
     })
 }
 
-fn clipped(picture: &Picture) -> Option<Diagnostic> {
+fn clipped(scene: &SceneDescription, picture: &Picture) -> Option<Diagnostic> {
     let gain = picture.exposure_ev.exp2() as f32;
     let covered = picture.rendered.image.pixels().iter().filter(|pixel| pixel[3] > 0.0);
     let mut levels: Vec<f32> = covered.map(|&[r, g, b, _]| r.max(g).max(b)).collect();
     let too_bright = levels.iter().filter(|&&level| gain * level > WHITE).count();
     let part = too_bright as f64 / levels.len().max(1) as f64;
-    let warn = is_developed(picture.format) && part > CLIPPED;
+    let cuts = matches!(scene.film.view, View::Srgb | View::Raw);
+    let warn = is_developed(picture.format) && cuts && part > CLIPPED;
     warn.then(|| {
         let message = format!("{:.0} % of the picture is brighter than white", 100.0 * part);
         let help = match unclipped(&mut levels) {
-            Some(ev) => format!("try --exposure {ev:.2}"),
+            Some(ev) => format!("try --exposure {ev:.2}, or --view neutral"),
             None => "use weaker lights".into(),
         };
         Diagnostic::new("", message).help(help)

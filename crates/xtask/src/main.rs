@@ -4,11 +4,15 @@ mod gallery;
 
 use std::process::{Command, ExitCode};
 
+/// The test that writes the tables.
+const TABLES: &str = "write_the_tables";
+
 const USAGE: &str = "\
 Usage: cargo xtask COMMAND
 
   test      formatting, lints, all tests, documentation: what has to pass
   slow      the tests that take minutes
+  tables    integrates the tables in crates/firstlight/data/ anew
   gallery   renders every scene in scenes/ into docs/images/
   bench     times tracing and building, beside Embree where it is installed; more with --help
   bench --peers
@@ -18,7 +22,19 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let done = match arguments.first().map(String::as_str) {
         Some("test") => test(),
-        Some("slow") => cargo(&["test", "--workspace", "--release", "--", "--ignored"]),
+        Some("slow") => {
+            cargo(&["test", "--workspace", "--release", "--", "--ignored", "--skip", TABLES])
+        }
+        Some("tables") => cargo(&[
+            "test",
+            "--package",
+            "firstlight",
+            "--lib",
+            "--release",
+            TABLES,
+            "--",
+            "--ignored",
+        ]),
         Some("gallery") => gallery::render_all(),
         Some("bench") => bench(&arguments[1..]),
         _ => Err(USAGE.into()),

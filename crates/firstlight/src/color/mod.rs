@@ -1,11 +1,13 @@
 //! Colour: linear Rec. 709 with D65 white inside, sRGB at the edges.
 
 mod srgb;
+mod view;
 
 pub use srgb::{srgb_code8, srgb_code16, srgb_decode, srgb_encode, srgb_linear8, srgb_linear16};
 mod parse;
 
 pub use parse::parse;
+pub use view::View;
 
 /// Linear Rec. 709 red, green, blue: a radiance, irradiance, intensity or reflectance per channel.
 pub type Rgb = glam::Vec3;

@@ -211,6 +211,12 @@ impl Analytic {
         AnalyticPoint { position: self.to_world.transform_point3(local), normal, uv }
     }
 
+    /// The directions in which u and v grow at a point on the surface, of any length.
+    pub(crate) fn growing(&self, position: DVec3, part: u32) -> [Vec3; 2] {
+        let axes = self.kind.growing(self.to_object.transform_point3(position), part);
+        axes.map(|axis| self.to_world.transform_vector3(axis).normalize_or_zero().as_vec3())
+    }
+
     /// How many triangles it can be traced as: two for each square it is made of, none if it is made of others.
     pub(crate) fn triangle_count(&self) -> u32 {
         match self.kind {
@@ -282,6 +288,18 @@ impl Kind {
                 both(cylinder_side(o, d), |t| (0.0..=1.0).contains(&(o.z + t * d.z)))
             }
             Self::Cone { capped } => cone(o, d, capped),
+        }
+    }
+
+    /// Where u and v grow at a point of `part`, perhaps out of the surface.
+    fn growing(self, p: DVec3, part: u32) -> [DVec3; 2] {
+        let axis = |number: u32| DMat3::IDENTITY.col(number as usize % 3);
+        let around = DVec3::new(-p.y, p.x, 0.0);
+        match (self, part) {
+            (Self::Plane | Self::Quad, _) => [DVec3::X, DVec3::Y],
+            (Self::Cube, face) => [axis(face / 2 + 1), axis(face / 2 + 2)],
+            (Self::Sphere | Self::Cylinder { .. } | Self::Cone { .. }, 0) => [around, DVec3::Z],
+            _ => [around, p.with_z(0.0)],
         }
     }
 

@@ -41,6 +41,11 @@ impl Bounce {
         self.0 + 3
     }
 
+    /// The colour channel that is followed.
+    pub(super) fn channel(self) -> u32 {
+        self.0 + 4
+    }
+
     /// The place on the sun with this number.
     pub(super) fn sun(self, number: u32) -> u32 {
         self.0 + Self::SUNS + number % (Self::LIGHTS - Self::SUNS)

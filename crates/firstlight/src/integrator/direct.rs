@@ -2,18 +2,19 @@
 //!
 //! Batches of rays go through the stages in the lecture's order; each stage takes slices and fills vectors.
 
+use super::panes;
 use crate::color::Rgb;
 use crate::film::Sample;
 use crate::geometry::{Hit, Ray};
 use crate::scene::Scene;
 use crate::scene::description::Shadows;
 use crate::scene::{SeenByCamera, StopsLight};
-use crate::shading::bsdf::Bsdf;
+use crate::shading::bsdf::{Bsdf, Frame, Lobe};
 use crate::shading::interaction::{SurfaceInteraction, clearance};
 use crate::shading::light::Light;
 use glam::{DVec3, Vec3, Vec4Swizzles};
-use std::f32::consts::PI;
-use std::ops::AddAssign;
+use std::f32::consts::{FRAC_1_PI, PI};
+use std::ops::{AddAssign, Range};
 
 /// How many rays were traced.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -54,6 +55,9 @@ pub(crate) struct Direct<'a> {
 pub(crate) struct Scratch {
     hits: Vec<Hit>,
     points: Vec<Point>,
+    /// What the points on surfaces that are more than matte do with light, and their lobes.
+    glossy: Vec<Glossy>,
+    lobes: Vec<Lobe>,
     shadow_rays: Vec<Ray>,
     awaited: Vec<Awaited>,
     occluded: Vec<bool>,
@@ -71,7 +75,23 @@ struct Point {
     /// Where shadow rays start.
     start: Vec3,
     shading_normal: Vec3,
-    bsdf: Bsdf,
+    /// The lecture's k_d = R_d / π, sr⁻¹, of a matte surface.
+    matte: Rgb,
+    /// Place among the glossy points, or [`MATTE`].
+    glossy: u32,
+}
+
+/// Says that a point is on a matte surface.
+const MATTE: u32 = u32::MAX;
+
+/// What else there is to know of a point on a surface that is more than matte.
+struct Glossy {
+    frame: Frame,
+    outgoing: Vec3,
+    /// Its lobes among all.
+    lobes: Range<usize>,
+    /// Where shadow rays start on the other side.
+    behind: Vec3,
 }
 
 /// Light that reaches the eye if nothing is in the way.
@@ -112,9 +132,17 @@ impl<'a> Direct<'a> {
     pub(crate) fn irradiance(&self, position: DVec3, normal: Vec3, scratch: &mut Scratch) -> Rgb {
         let rounded = position.as_vec3();
         let start = rounded + clearance(normal, rounded.abs(), 0.0) * normal;
-        let bsdf = Bsdf::Lambert { reflectance: Rgb::splat(PI) };
+        let shading_normal = normal;
         scratch.points.clear();
-        scratch.points.push(Point { ray: 0, position, start, shading_normal: normal, bsdf });
+        let matte = Rgb::ONE;
+        scratch.points.push(Point {
+            ray: 0,
+            position,
+            start,
+            shading_normal,
+            matte,
+            glossy: MATTE,
+        });
         scratch.samples.clear();
         scratch.samples.push(Sample { radiance: PI * self.scene.ambient, alpha: 1.0 });
         self.add_lights(scratch);
@@ -127,7 +155,7 @@ impl<'a> Direct<'a> {
         for light in &self.scene.lights {
             self.sample_light(light, scratch);
             self.trace_shadows(scratch);
-            sum(scratch);
+            self.sum(scratch);
         }
     }
 
@@ -144,8 +172,10 @@ impl<'a> Direct<'a> {
     /// Starts each ray's sum: the background, or what the surface emits and reflects of the ambient light.
     #[inline(always)]
     fn surface_points(&self, rays: &[Ray], scratch: &mut Scratch) {
-        let Scratch { hits, points, samples, .. } = scratch;
+        let Scratch { hits, points, glossy, lobes, samples, .. } = scratch;
         points.clear();
+        glossy.clear();
+        lobes.clear();
         samples.clear();
         for (ray, hit) in hits.iter().enumerate() {
             if !hit.is_some() {
@@ -156,20 +186,29 @@ impl<'a> Direct<'a> {
             }
             let surface = self.scene.interaction(&rays[ray], hit);
             let material = self.scene.material(hit);
-            let reflectance = self.scene.evaluate(&material.reflectance, &surface).xyz();
-            let ambient_reflectance = match &material.ambient_reflectance {
-                Some(texture) => self.scene.evaluate(texture, &surface).xyz(),
-                None => reflectance,
+            let start = self.scene.shadow_start(&surface, &rays[ray]);
+            let (scattered, matte, number) = if material.is_matte() {
+                let reflectance = self.scene.evaluate(&material.reflectance, &surface).xyz();
+                (reflectance, reflectance * FRAC_1_PI, MATTE)
+            } else {
+                let (first, outgoing) = (lobes.len(), -rays[ray].direction);
+                let boundary = self.scene.boundary_from_air(material, &surface);
+                let (frame, scattered) =
+                    self.scene.add_lobes(material, &surface, outgoing, boundary, lobes);
+                let behind = 2.0 * surface.position - start;
+                glossy.push(Glossy { frame, outgoing, lobes: first..lobes.len(), behind });
+                (scattered, Rgb::ZERO, glossy.len() as u32 - 1)
             };
+            let ambient = self.scene.ambient_reflectance(material, &surface).unwrap_or(scattered);
             let emitted = self.scene.emitted(material, &surface);
-            let radiance = emitted + ambient_reflectance * self.scene.ambient;
-            samples.push(Sample { radiance, alpha: 1.0 });
+            samples.push(Sample { radiance: emitted + ambient * self.scene.ambient, alpha: 1.0 });
             points.push(Point {
                 ray,
                 position: surface.position.as_dvec3(),
-                start: self.scene.shadow_start(&surface, &rays[ray]),
+                start,
                 shading_normal: surface.shading_normal,
-                bsdf: Bsdf::Lambert { reflectance },
+                matte,
+                glossy: number,
             });
         }
     }
@@ -177,7 +216,7 @@ impl<'a> Direct<'a> {
     /// What `light` would add to each point, with the shadow rays that decide whether it does.
     #[inline(always)]
     fn sample_light(&self, light: &Light, scratch: &mut Scratch) {
-        let Scratch { points, shadow_rays, awaited, samples, .. } = scratch;
+        let Scratch { points, glossy, lobes, shadow_rays, awaited, samples, .. } = scratch;
         let t_min = self.scene.shadow_t_min();
         let shadows = light.shadows && self.scene.shadows != Shadows::Off;
         shadow_rays.clear();
@@ -185,12 +224,18 @@ impl<'a> Direct<'a> {
         for point in points.iter() {
             let Some(sample) = light.sample(point.position) else { continue };
             let cos = point.shading_normal.dot(sample.incoming);
-            let radiance = point.bsdf.value() * sample.irradiance * cos;
-            if cos <= 0.0 || radiance == Rgb::ZERO {
+            let (scattered, start) = match glossy.get(point.glossy as usize) {
+                None if cos <= 0.0 => continue,
+                None => (point.matte * cos, point.start),
+                Some(glossy) if cos > 0.0 => (glossy.eval(lobes, sample.incoming), point.start),
+                Some(glossy) => (glossy.eval(lobes, sample.incoming), glossy.behind),
+            };
+            let radiance = scattered * sample.irradiance;
+            if radiance == Rgb::ZERO {
                 continue;
             }
             if shadows {
-                shadow_rays.push(sample.ray_from(point.position.as_vec3(), point.start, t_min));
+                shadow_rays.push(sample.ray_from(point.position.as_vec3(), start, t_min));
                 awaited.push(Awaited { ray: point.ray, radiance });
             } else {
                 samples[point.ray].radiance += radiance;
@@ -204,14 +249,24 @@ impl<'a> Direct<'a> {
         counts.shadow += shadow_rays.len() as u64;
         self.scene.world.occluded(shadow_rays, &StopsLight(self.scene, self.repetition), occluded);
     }
+
+    #[inline(always)]
+    fn sum(&self, scratch: &mut Scratch) {
+        let Scratch { shadow_rays, awaited, occluded, samples, .. } = scratch;
+        for ((awaited, ray), &occluded) in awaited.iter().zip(&*shadow_rays).zip(&*occluded) {
+            if !occluded {
+                let tint = panes::tint(self.scene, ray, self.repetition);
+                samples[awaited.ray].radiance += awaited.radiance * tint;
+            }
+        }
+    }
 }
 
-#[inline(always)]
-fn sum(scratch: &mut Scratch) {
-    for (awaited, &occluded) in scratch.awaited.iter().zip(&scratch.occluded) {
-        if !occluded {
-            scratch.samples[awaited.ray].radiance += awaited.radiance;
-        }
+impl Glossy {
+    /// BSDF × |cosine| for light from `incoming`, sr⁻¹, as far as lights can be asked for it.
+    fn eval(&self, lobes: &[Lobe], incoming: Vec3) -> Rgb {
+        let lobes = &lobes[self.lobes.clone()];
+        Bsdf { frame: self.frame, outgoing: self.outgoing, lobes }.eval(incoming).0
     }
 }
 

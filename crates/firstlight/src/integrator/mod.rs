@@ -3,7 +3,9 @@
 mod dimensions;
 mod direct;
 mod gatherer;
+mod media;
 mod meter;
+mod panes;
 mod path;
 mod trace;
 

@@ -9,20 +9,22 @@ mod occlusion;
 
 pub(crate) use occlusion::Occlusion;
 
-use super::RayCounts;
 use super::dimensions::Bounce;
+use super::media::Media;
+use super::{RayCounts, panes};
 use crate::color::Rgb;
 use crate::film::Sample;
 use crate::geometry::{Hit, Ray};
 use crate::sampler::PathPoints;
-use crate::scene::{LocalLight, LocalLights, Scene, SeenByCamera, StopsLight};
-use crate::shading::bsdf::Bsdf;
+use crate::scene::{LocalLight, LocalLights, Meets, Scene, SeenByCamera, StopsLight};
+use crate::shading::bsdf::{Bsdf, Frame, Kind, Lobe};
 use crate::shading::interaction::{SurfaceInteraction, clearance};
 use crate::shading::light::LightSample;
 use crate::shading::light::area::AreaLight;
 use crate::shading::light::environment::EnvironmentSample;
 use glam::{DVec3, Vec2, Vec3};
 use std::f32::consts::PI;
+use std::ops::Range;
 
 /// Up to so many lights are all asked at the surface that is seen, as in the lecture, and after that.
 const ASKED: [u32; 2] = [32, 1];
@@ -50,6 +52,8 @@ pub(crate) struct Scratch {
     walks: Vec<Walk>,
     hits: Vec<Hit>,
     vertices: Vec<Vertex>,
+    /// What the vertices' surfaces do with light.
+    lobes: Vec<Lobe>,
     shadow_rays: Vec<Ray>,
     awaited: Vec<Awaited>,
     occluded: Vec<bool>,
@@ -70,22 +74,32 @@ struct Walk {
     throughput: Rgb,
     /// Density with which the last direction was picked, sr⁻¹; infinite if there was no other.
     pdf: f32,
-    /// Shading normal of the surface that the last ray left.
+    /// The reflection at which it was picked.
+    bounce: u32,
+    /// Where it was picked, m, and the shading normal there: panes that were passed since do not count.
+    from: Vec3,
     normal: Vec3,
-    /// Whether only mirrors lie between the eye and the last ray.
-    mirrors_only: bool,
+    /// Whether only mirrors and clear glass lie between the eye and the last ray.
+    sharp_only: bool,
+    /// The solids that it is in.
+    media: Media,
+    /// The colour channel that it is followed for, once glass has torn colours apart.
+    channel: Option<u8>,
 }
 
-/// A point where a path is reflected.
+/// A point where a path is scattered.
 struct Vertex {
     walk: Walk,
     /// Where it is, m.
     position: Vec3,
-    /// Where rays leave it.
-    start: Vec3,
-    shading_normal: Vec3,
+    /// Where rays leave it on the side that the path came from, and on the other.
+    starts: [Vec3; 2],
+    frame: Frame,
     outgoing: Vec3,
-    bsdf: Bsdf,
+    /// Its lobes among all.
+    lobes: Range<u32>,
+    /// The solids on the other side.
+    beyond: Media,
 }
 
 /// What a light gives to a vertex, reflected towards the eye.
@@ -111,7 +125,7 @@ impl<'a> Path<'a> {
     #[inline(always)]
     pub(crate) fn gather(&self, rays: &[Ray], points: &[PathPoints], scratch: &mut Scratch) {
         self.look(rays, scratch);
-        self.arrive(0, scratch);
+        self.arrive(0, points, scratch);
         self.follow(points, scratch);
     }
 
@@ -144,15 +158,16 @@ impl<'a> Path<'a> {
     fn stand(&self, position: DVec3, normal: Vec3, count: usize, scratch: &mut Scratch) {
         let position = position.as_vec3();
         let start = position + clearance(normal, position.abs(), 0.0) * normal;
-        let bsdf = Bsdf::Lambert { reflectance: Rgb::splat(PI) };
         scratch.begin(count);
+        scratch.lobes.push(Lobe { kind: Kind::Lambert, weight: Rgb::splat(PI), share: 1.0 });
         scratch.vertices.extend((0..count as u32).map(|sample| Vertex {
-            walk: Walk { mirrors_only: false, ..Walk::from_eye(sample) },
+            walk: Walk { sharp_only: false, ..Walk::from_eye(sample) },
             position,
-            start,
-            shading_normal: normal,
+            starts: [start; 2],
+            frame: Frame::around(normal),
             outgoing: normal,
-            bsdf,
+            lobes: 0..1,
+            beyond: Media::default(),
         }));
     }
 
@@ -164,19 +179,20 @@ impl<'a> Path<'a> {
                 break;
             }
             self.add_lights(bounce, points, scratch);
-            scatter(bounce, points, scratch);
+            scatter(self.scene, bounce, points, scratch);
             scratch.counts.bounce += scratch.rays.len() as u64;
-            let filter = StopsLight(self.scene, 0);
+            let filter = Meets(self.scene, 0);
             self.scene.world.closest_hits(&scratch.rays, &filter, &mut scratch.hits);
-            self.arrive(bounce + 1, scratch);
+            self.arrive(bounce + 1, points, scratch);
         }
     }
 
     /// Adds what comes along each ray, and makes vertices of the surfaces that were met.
     #[inline(always)]
-    fn arrive(&self, bounce: u32, scratch: &mut Scratch) {
-        let Scratch { rays, walks, hits, vertices, samples, on_surface, .. } = scratch;
+    fn arrive(&self, bounce: u32, points: &[PathPoints], scratch: &mut Scratch) {
+        let Scratch { rays, walks, hits, vertices, lobes, samples, on_surface, .. } = scratch;
         vertices.clear();
+        lobes.clear();
         for ((ray, walk), hit) in rays.iter().zip(&*walks).zip(&*hits) {
             let sample = &mut samples[walk.sample as usize];
             if !hit.is_some() {
@@ -192,23 +208,46 @@ impl<'a> Path<'a> {
             }
             let surface = self.scene.interaction(ray, hit);
             let material = self.scene.material(hit);
-            let emitted = self.scene.emitted(material, &surface);
-            if emitted != Rgb::ZERO {
-                let weight = self.weight_of_emission(bounce, walk, ray, &surface);
-                sample.radiance += walk.throughput * emitted * weight;
+            let mut walk = *walk;
+            let crossing = material.interior.map(|interior| {
+                if interior.dispersion > 0.0 && walk.channel.is_none() {
+                    let pair = Bounce::new(bounce).channel();
+                    walk.follow_channel(points[walk.sample as usize].pair(pair).x);
+                }
+                let index = self.scene.material_of[hit.surface as usize];
+                walk.media.cross(self.scene, index, surface.front, walk.channel)
+            });
+            walk.media = crossing.map_or(walk.media, |crossing| crossing.before);
+            if let Some(interior) = walk.media.interior(self.scene) {
+                walk.throughput *= interior.transmittance(hit.t);
             }
-            if bounce == self.bounces {
-                continue;
+            let mut vertex = Vertex::new(walk, ray, &surface, lobes.len() as u32);
+            vertex.beyond = crossing.map_or(walk.media, |crossing| crossing.beyond);
+            let boundary = crossing.and_then(|crossing| crossing.boundary);
+            if crossing.is_some() && boundary.is_none() {
+                lobes.push(Lobe { kind: Kind::Straight, weight: Rgb::ONE, share: 1.0 });
+            } else {
+                let emitted = self.scene.emitted(material, &surface);
+                if emitted != Rgb::ZERO {
+                    let weight = self.weight_of_emission(&walk, &surface);
+                    sample.radiance += walk.throughput * emitted * weight;
+                }
+                if bounce == self.bounces {
+                    continue;
+                }
+                let (frame, scattered) =
+                    self.scene.add_lobes(material, &surface, vertex.outgoing, boundary, lobes);
+                vertex.frame = frame;
+                if self.scene.ambient != Rgb::ZERO {
+                    let reflected = self.scene.ambient_reflectance(material, &surface);
+                    let reflected = reflected.unwrap_or(scattered);
+                    sample.radiance += walk.throughput * reflected * self.scene.ambient;
+                }
             }
-            if self.scene.ambient != Rgb::ZERO {
-                let reflected = self.scene.ambient_reflectance(material, &surface);
-                sample.radiance += walk.throughput * reflected * self.scene.ambient;
+            vertex.lobes.end = lobes.len() as u32;
+            if !vertex.lobes.is_empty() {
+                vertices.push(vertex);
             }
-            let bsdf = self.scene.bsdf(material, &surface);
-            if bsdf.is_black() {
-                continue;
-            }
-            vertices.push(Vertex::new(*walk, ray, &surface, bsdf));
         }
     }
 
@@ -225,7 +264,7 @@ impl<'a> Path<'a> {
                 let weight = balance(walk.pdf, environment.pdf(ray.direction));
                 environment.radiance(ray.direction) * weight
             }
-            _ if walk.mirrors_only => self.scene.background,
+            _ if walk.sharp_only => self.scene.background,
             _ => Rgb::ZERO,
         };
         sky + suns.sum::<Rgb>()
@@ -233,21 +272,15 @@ impl<'a> Path<'a> {
 
     /// The part of what a surface emits that lights were not asked for.
     #[inline(always)]
-    fn weight_of_emission(
-        &self,
-        bounce: u32,
-        walk: &Walk,
-        ray: &Ray,
-        surface: &SurfaceInteraction,
-    ) -> f32 {
+    fn weight_of_emission(&self, walk: &Walk, surface: &SurfaceInteraction) -> f32 {
         let Hit { surface: index, primitive, .. } = surface.hit;
         let found = self.scene.area_lights.find(index, primitive);
         let Some(number) = found.filter(|_| walk.pdf.is_finite()) else { return 1.0 };
         let light = self.scene.area_lights.get(number);
-        let pdf = light.shape.pdf(ray.origin.as_dvec3(), surface.position.as_dvec3());
-        let chance = match self.asks_all(bounce - 1) {
+        let pdf = light.shape.pdf(walk.from.as_dvec3(), surface.position.as_dvec3());
+        let chance = match self.asks_all(walk.bounce) {
             true => 1.0,
-            false => self.scene.local_lights.probability(ray.origin, walk.normal, number),
+            false => self.scene.local_lights.probability(walk.from, walk.normal, number),
         };
         balance(walk.pdf, chance * pdf as f32)
     }
@@ -267,70 +300,94 @@ impl<'a> Path<'a> {
         let near = if asks_all { near.as_slice() } else { &[] };
         for &place in elsewhere.iter().chain(near) {
             let light = &self.scene.lights[place as usize];
-            self.ask(scratch, |vertex| {
-                vertex.light_from(light.sample(vertex.position.as_dvec3())?, light.shadows, 1.0)
+            self.ask(scratch, |vertex, lobes| {
+                vertex.light_from(
+                    lobes,
+                    light.sample(vertex.position.as_dvec3())?,
+                    light.shadows,
+                    1.0,
+                )
             });
         }
         if asks_all {
             for (number, light) in (0..).zip(&self.scene.round_lights) {
                 let place = pairs.light(number);
-                self.ask(scratch, |vertex| {
+                self.ask(scratch, |vertex, lobes| {
                     let u = pair(vertex, place).as_dvec2();
-                    vertex.light_from(light.sample(vertex.position.as_dvec3(), u)?, true, 1.0)
+                    vertex.light_from(
+                        lobes,
+                        light.sample(vertex.position.as_dvec3(), u)?,
+                        true,
+                        1.0,
+                    )
                 });
             }
             for (number, light) in (0..).zip(self.scene.area_lights.iter()) {
                 let place = pairs.light(self.scene.round_lights.len() as u32 + number);
-                self.ask(scratch, |vertex| {
-                    vertex.light_from_area(self.scene, light, 1.0, pair(vertex, place))
+                self.ask(scratch, |vertex, lobes| {
+                    vertex.light_from_area(lobes, self.scene, light, 1.0, pair(vertex, place))
                 });
             }
         } else {
-            self.ask(scratch, |vertex| {
+            self.ask(scratch, |vertex, lobes| {
                 let u = pair(vertex, pairs.pick()).as_dvec2();
-                self.light_from_any(vertex, u.x + u.y * PAIR_STEP, pair(vertex, pairs.light(0)))
+                self.light_from_any(
+                    vertex,
+                    lobes,
+                    u.x + u.y * PAIR_STEP,
+                    pair(vertex, pairs.light(0)),
+                )
             });
         }
         for (number, sun) in (0..).zip(&self.scene.suns) {
-            self.ask(scratch, |vertex| {
-                vertex.light_from_afar(sun.sample(pair(vertex, pairs.sun(number))))
+            self.ask(scratch, |vertex, lobes| {
+                vertex.light_from_afar(lobes, sun.sample(pair(vertex, pairs.sun(number))))
             });
         }
         if let Some((environment, _)) = &self.scene.environment {
-            self.ask(scratch, |vertex| {
-                vertex.light_from_afar(environment.sample(pair(vertex, pairs.environment()))?)
+            self.ask(scratch, |vertex, lobes| {
+                vertex
+                    .light_from_afar(lobes, environment.sample(pair(vertex, pairs.environment()))?)
             });
         }
     }
 
     /// From one local light, picked by `pick` in 0..1, which stands for all.
     #[inline(always)]
-    fn light_from_any(&self, vertex: &Vertex, pick: f64, u: Vec2) -> Option<Answer> {
+    fn light_from_any(
+        &self,
+        vertex: &Vertex,
+        lobes: &[Lobe],
+        pick: f64,
+        u: Vec2,
+    ) -> Option<Answer> {
         let Self { scene, .. } = self;
-        match scene.local_lights.pick(vertex.start, vertex.shading_normal, pick)? {
+        match scene.local_lights.pick(vertex.starts[0], vertex.frame.normal(), pick)? {
             (LocalLight::Point(place), chance) => {
                 let light = &scene.lights[place as usize];
-                vertex.light_from(light.sample(vertex.position.as_dvec3())?, light.shadows, chance)
+                let sample = light.sample(vertex.position.as_dvec3())?;
+                vertex.light_from(lobes, sample, light.shadows, chance)
             }
             (LocalLight::Round(place), chance) => {
                 let light = &scene.round_lights[place as usize];
                 let sample = light.sample(vertex.position.as_dvec3(), u.as_dvec2())?;
-                vertex.light_from(sample, true, chance)
+                vertex.light_from(lobes, sample, true, chance)
             }
             (LocalLight::Area(number), chance) => {
-                vertex.light_from_area(scene, scene.area_lights.get(number), chance, u)
+                vertex.light_from_area(lobes, scene, scene.area_lights.get(number), chance, u)
             }
         }
     }
 
     /// Asks a light at every vertex, and adds what it gives where nothing is in the way.
     #[inline(always)]
-    fn ask(&self, scratch: &mut Scratch, light: impl Fn(&Vertex) -> Option<Answer>) {
-        let Scratch { vertices, shadow_rays, awaited, occluded, samples, counts, .. } = scratch;
+    fn ask(&self, scratch: &mut Scratch, light: impl Fn(&Vertex, &[Lobe]) -> Option<Answer>) {
+        let Scratch { vertices, lobes, shadow_rays, awaited, occluded, samples, counts, .. } =
+            scratch;
         shadow_rays.clear();
         awaited.clear();
         for vertex in vertices.iter() {
-            let Some(Answer { ray, radiance }) = light(vertex) else { continue };
+            let Some(Answer { ray, radiance }) = light(vertex, lobes) else { continue };
             let sample = vertex.walk.sample;
             let radiance = vertex.walk.throughput * radiance;
             match ray {
@@ -343,33 +400,44 @@ impl<'a> Path<'a> {
         }
         counts.shadow += shadow_rays.len() as u64;
         self.scene.world.occluded(shadow_rays, &StopsLight(self.scene, 0), occluded);
-        for (awaited, _) in awaited.iter().zip(&*occluded).filter(|(_, occluded)| !**occluded) {
-            samples[awaited.sample as usize].radiance += awaited.radiance;
+        for ((awaited, ray), _) in
+            awaited.iter().zip(&*shadow_rays).zip(&*occluded).filter(|(_, occluded)| !**occluded)
+        {
+            let tint = panes::tint(self.scene, ray, 0);
+            samples[awaited.sample as usize].radiance += awaited.radiance * tint;
         }
     }
 }
 
 /// Sends each path on in a direction that its BSDF picks, or ends it.
 #[inline(always)]
-fn scatter(bounce: u32, points: &[PathPoints], scratch: &mut Scratch) {
+fn scatter(scene: &Scene, bounce: u32, points: &[PathPoints], scratch: &mut Scratch) {
     let pairs = Bounce::new(bounce);
-    let Scratch { vertices, rays, walks, .. } = scratch;
+    let Scratch { vertices, lobes, rays, walks, .. } = scratch;
     rays.clear();
     walks.clear();
-    for Vertex { walk, start, shading_normal, outgoing, bsdf, .. } in vertices.iter() {
+    for vertex in vertices.iter() {
+        let walk = &vertex.walk;
         let points = &points[walk.sample as usize];
         let (choice, u) = (points.pair(pairs.choice()), points.pair(pairs.direction()));
-        let Some(sample) = bsdf.sample(*shading_normal, *outgoing, choice.x, u) else { continue };
+        let Some(sample) = vertex.bsdf(lobes).sample(choice.x, u) else { continue };
         let throughput = walk.throughput * sample.weight;
-        let mirrors_only = walk.mirrors_only && sample.pdf.is_infinite();
-        let survival = survival(bounce, mirrors_only, throughput);
+        let sharp_only = walk.sharp_only && sample.pdf.is_infinite();
+        let media = if sample.through { vertex.beyond } else { walk.media };
+        // Radiance in a solid is higher by the square of its index, and gets lower again where it leaves.
+        let index = media.interior(scene).map_or(1.0, |interior| interior.index);
+        let survival = survival(bounce, sharp_only, throughput * index * index);
         if choice.y >= survival {
             continue;
         }
-        rays.push(Ray::new(*start, sample.incoming));
+        let start = vertex.starts[usize::from(sample.through)];
+        rays.push(Ray::new(start, sample.incoming));
         let throughput = throughput / survival;
-        let (pdf, normal) = (sample.pdf, *shading_normal);
-        walks.push(Walk { sample: walk.sample, throughput, pdf, normal, mirrors_only });
+        walks.push(Walk { throughput, sharp_only, media, ..*walk });
+        if let Some(walk) = walks.last_mut().filter(|_| !sample.straight) {
+            (walk.pdf, walk.bounce) = (sample.pdf, bounce);
+            (walk.from, walk.normal) = (start, vertex.frame.normal());
+        }
     }
 }
 
@@ -377,9 +445,9 @@ fn scatter(bounce: u32, points: &[PathPoints], scratch: &mut Scratch) {
 /// nothing is lost on average. Paths are followed until little is left of them, and then in proportion to that: with no
 /// other bound than 1, the deviation stays finite in rooms of any reflectance, and small where it is high. What is seen
 /// in mirrors is followed for longer, since chance has had no part in it yet.
-fn survival(bounce: u32, mirrors_only: bool, throughput: Rgb) -> f32 {
+fn survival(bounce: u32, sharp_only: bool, throughput: Rgb) -> f32 {
     let left = throughput.max_element();
-    let little = if mirrors_only { 1.0 / 256.0 } else { 1.0 / 4.0 };
+    let little = if sharp_only { 1.0 / 256.0 } else { 1.0 / 4.0 };
     match bounce {
         0..SAFE_BOUNCES => f32::from(left > 0.0),
         SAFE_BOUNCES..MANY_BOUNCES => (left / little).min(1.0),
@@ -405,6 +473,7 @@ impl Scratch {
         self.rays.clear();
         self.walks.clear();
         self.vertices.clear();
+        self.lobes.clear();
         self.on_surface.clear();
         self.samples.clear();
         self.samples.resize(count, Sample { radiance: Rgb::ZERO, alpha: 1.0 });
@@ -413,62 +482,94 @@ impl Scratch {
 
 impl Walk {
     fn from_eye(sample: u32) -> Self {
-        let (throughput, pdf) = (Rgb::ONE, f32::INFINITY);
-        Self { sample, throughput, pdf, normal: Vec3::ZERO, mirrors_only: true }
+        Self {
+            sample,
+            throughput: Rgb::ONE,
+            pdf: f32::INFINITY,
+            bounce: 0,
+            from: Vec3::ZERO,
+            normal: Vec3::ZERO,
+            sharp_only: true,
+            media: Media::default(),
+            channel: None,
+        }
+    }
+
+    /// Goes on for one of the three channels, picked by a number in 0..1.
+    fn follow_channel(&mut self, u: f32) {
+        let channel = ((3.0 * u) as u8).min(2);
+        self.throughput *= 3.0 * Rgb::AXES[usize::from(channel)];
+        self.channel = Some(channel);
     }
 }
 
 impl Vertex {
-    /// Where `ray` met `surface`.
+    /// Where `ray` met `surface`, with no lobes yet, of which there are so many.
     #[inline(always)]
-    fn new(walk: Walk, ray: &Ray, surface: &SurfaceInteraction, bsdf: Bsdf) -> Self {
+    fn new(walk: Walk, ray: &Ray, surface: &SurfaceInteraction, lobes: u32) -> Self {
         Self {
             walk,
             position: surface.position,
-            start: surface.ray_origin(),
-            shading_normal: surface.shading_normal,
+            starts: [surface.ray_origin(), surface.behind()],
+            frame: Frame::around(surface.shading_normal),
             outgoing: -ray.direction,
-            bsdf,
+            lobes: lobes..lobes,
+            beyond: walk.media,
         }
     }
 
-    /// BSDF × cosine for light from `incoming`, with the density of that direction; `None` if it reflects nothing.
     #[inline(always)]
-    fn reflected(&self, incoming: Vec3) -> Option<(Rgb, f32)> {
-        let (cos, value) = (self.shading_normal.dot(incoming), self.bsdf.value());
-        (cos > 0.0 && value != Rgb::ZERO).then(|| (value * cos, self.bsdf.pdf(cos)))
+    fn bsdf<'a>(&self, lobes: &'a [Lobe]) -> Bsdf<'a> {
+        let lobes = &lobes[self.lobes.start as usize..self.lobes.end as usize];
+        Bsdf { frame: self.frame, outgoing: self.outgoing, lobes }
+    }
+
+    /// BSDF × cosine for light from `incoming`, with the density of that direction, and where rays that way start;
+    /// `None` if nothing is scattered.
+    #[inline(always)]
+    fn scattered(&self, lobes: &[Lobe], incoming: Vec3) -> Option<(Rgb, f32, Vec3)> {
+        let (value, pdf) = self.bsdf(lobes).eval(incoming);
+        let through = incoming.dot(self.frame.normal()) < 0.0;
+        (value != Rgb::ZERO).then(|| (value, pdf, self.starts[usize::from(through)]))
     }
 
     /// From a light that no ray can meet and that had this chance of being asked.
     #[inline(always)]
-    fn light_from(&self, sample: LightSample, shadows: bool, chance: f32) -> Option<Answer> {
-        let (reflected, _) = self.reflected(sample.incoming)?;
-        let ray = shadows.then(|| sample.ray_from(self.position, self.start, 0.0));
-        Some(Answer { ray, radiance: reflected * sample.irradiance / chance })
+    fn light_from(
+        &self,
+        lobes: &[Lobe],
+        sample: LightSample,
+        shadows: bool,
+        chance: f32,
+    ) -> Option<Answer> {
+        let (scattered, _, start) = self.scattered(lobes, sample.incoming)?;
+        let ray = shadows.then(|| sample.ray_from(self.position, start, 0.0));
+        Some(Answer { ray, radiance: scattered * sample.irradiance / chance })
     }
 
     /// From a surface that emits and had this chance of being asked.
     #[inline(always)]
     fn light_from_area(
         &self,
+        lobes: &[Lobe],
         scene: &Scene,
         light: &AreaLight,
         chance: f32,
         u: Vec2,
     ) -> Option<Answer> {
-        let sample = light.sample(self.start.as_dvec3(), u.as_dvec2())?;
-        let (reflected, pdf) = self.reflected(sample.incoming.as_vec3())?;
+        let sample = light.sample(self.starts[0].as_dvec3(), u.as_dvec2())?;
+        let (scattered, pdf, start) = self.scattered(lobes, sample.incoming.as_vec3())?;
         let radiance = scene.emitted_by(light, &sample) / (chance * sample.pdf as f32 + pdf);
-        let ray = Some(sample.shadow_ray(self.start, 0.0, light.error));
-        Some(Answer { ray, radiance: reflected * radiance })
+        let ray = Some(sample.shadow_ray(start, 0.0, light.error));
+        Some(Answer { ray, radiance: scattered * radiance })
     }
 
     /// From behind everything.
     #[inline(always)]
-    fn light_from_afar(&self, sample: EnvironmentSample) -> Option<Answer> {
-        let (reflected, pdf) = self.reflected(sample.incoming)?;
+    fn light_from_afar(&self, lobes: &[Lobe], sample: EnvironmentSample) -> Option<Answer> {
+        let (scattered, pdf, start) = self.scattered(lobes, sample.incoming)?;
         let radiance = sample.radiance / (sample.pdf + pdf);
-        let ray = Some(Ray::new(self.start, sample.incoming));
-        Some(Answer { ray, radiance: reflected * radiance })
+        let ray = Some(Ray::new(start, sample.incoming));
+        Some(Answer { ray, radiance: scattered * radiance })
     }
 }

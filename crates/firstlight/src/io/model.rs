@@ -111,15 +111,16 @@ fn is_binary_stl(bytes: &[u8]) -> bool {
 /// # Errors
 /// If the file cannot be read, its format is unknown or its content broken.
 pub fn read(path: &Path, access: &FileAccess, warnings: &mut Warnings) -> Result<SceneDescription> {
-    read_with_format(path, access, warnings).map(|(model, _)| model)
+    read_with_format(path, None, access, warnings).map(|(model, _)| model)
 }
 
-/// As [`read`], with the format that was found.
+/// As [`read`], with the format that was found. `variant`: which of several looks of a glTF file is shown.
 ///
 /// # Errors
-/// As [`read`].
+/// As [`read`]; or if there is no such variant.
 pub fn read_with_format(
     path: &Path,
+    variant: Option<&str>,
     access: &FileAccess,
     warnings: &mut Warnings,
 ) -> Result<(SceneDescription, Format)> {
@@ -128,13 +129,17 @@ pub fn read_with_format(
         Diagnostic::new(&name, "this is no model file that can be read")
             .help("models are .gltf, .glb, .obj, .ply or .stl")
     })?;
-    let read = match format {
-        Format::Gltf => gltf::read,
-        Format::Obj => obj::read,
-        Format::Ply => ply::read,
-        Format::Stl => stl::read,
+    let model = match (format, variant) {
+        (Format::Gltf, _) => gltf::read(&bytes, &name, variant, access, warnings),
+        (_, Some(_)) => {
+            let cause = "this model has no variants: only glTF files have some";
+            Err(Box::new(Diagnostic::new(&name, cause)))
+        }
+        (Format::Obj, None) => obj::read(&bytes, &name, access, warnings),
+        (Format::Ply, None) => ply::read(&bytes, &name, access, warnings),
+        (Format::Stl, None) => stl::read(&bytes, &name, access, warnings),
     };
-    Ok((read(&bytes, &name, access, warnings)?, format))
+    Ok((model?, format))
 }
 
 #[cfg(test)]

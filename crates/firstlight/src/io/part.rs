@@ -7,6 +7,7 @@ use super::access::{read_file, shown};
 use super::exr::{check_blocks, plane, to_file, utf8};
 use super::pixels::{Input, guarded, unreadable};
 use super::{Limits, Precision};
+use crate::color::View;
 use crate::diagnostic::{Diagnostic, Result};
 use crate::film::{Film, Pixel};
 use crate::scene::description::FilmDescription;
@@ -49,6 +50,8 @@ pub struct PartInfo {
     pub seed: u64,
     /// Stops of exposure; `None`: to be chosen from the picture.
     pub exposure: Option<f64>,
+    /// How it is to look.
+    pub view: View,
     /// Which samples of each pixel it holds: from the first up to, not including, the second; in order, none twice.
     pub ranges: Vec<[u32; 2]>,
 }
@@ -178,6 +181,7 @@ impl PartInfo {
             ("another number of samples in all", self.samples == other.samples),
             ("another seed", self.seed == other.seed),
             ("another exposure", self.exposure == other.exposure),
+            ("another view", self.view == other.view),
             ("another scene", self.fingerprint == other.fingerprint),
         ];
         same.into_iter().find(|(_, same)| !same).map(|(what, _)| what)

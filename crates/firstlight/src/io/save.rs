@@ -3,6 +3,7 @@
 use super::access::shown;
 use super::{exr, hdr, pfm, png};
 use crate::Image;
+use crate::color::{Rgb, View};
 use crate::diagnostic::{Diagnostic, Result};
 use crate::suggest::nearest;
 use std::path::Path;
@@ -79,19 +80,20 @@ fn unknown_extension(path: &Path, extension: &str) -> Diagnostic {
     Diagnostic::new(shown(path), message).help(known)
 }
 
-/// How radiance becomes display values: display = radiance × 2^EV, cut off at 0 and 1.
+/// How radiance becomes display values: radiance × 2^EV, seen by a view.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Develop {
     /// Stops of exposure. 0: radiance 1 is display white.
     pub exposure_ev: f32,
+    /// What is made of light that is brighter than white.
+    pub view: View,
 }
 
 impl Develop {
     /// Linear display values 0..1 of a pixel; its alpha is kept. NaN becomes 0.
     pub fn display(self, [r, g, b, a]: [f32; 4]) -> [f32; 4] {
-        let gain = self.exposure_ev.exp2();
-        [r * gain, g * gain, b * gain, a]
-            .map(|value| if value > 0.0 { value.min(1.0) } else { 0.0 })
+        let shown = self.view.display(self.exposure_ev.exp2() * Rgb::new(r, g, b));
+        shown.extend(if a > 0.0 { a.min(1.0) } else { 0.0 }).to_array()
     }
 }
 
@@ -198,10 +200,10 @@ mod tests {
     #[test]
     fn exposure_doubles_with_each_stop() {
         let image = one_pixel([0.25, 0.5, 4.0, 0.5]);
-        let (color, codes) = png_codes(&image, Develop { exposure_ev: 1.0 });
+        let (color, codes) = png_codes(&image, Develop { exposure_ev: 1.0, ..Develop::default() });
         assert_eq!(color, ::png::ColorType::Rgba);
         assert_eq!(codes, [188, 255, 255, 128]);
-        let (_, codes) = png_codes(&image, Develop { exposure_ev: -3.0 });
+        let (_, codes) = png_codes(&image, Develop { exposure_ev: -3.0, ..Develop::default() });
         assert_eq!(codes, [49, 71, 188, 128]);
     }
 
@@ -230,7 +232,7 @@ mod tests {
     fn linear_formats_ignore_the_exposure() {
         let image = one_pixel([0.5, 4.0, 0.25, 1.0]);
         for format in [Format::Exr { precision: Precision::Half }, Format::Hdr, Format::Pfm] {
-            let bright = Develop { exposure_ev: 3.0 };
+            let bright = Develop { exposure_ev: 3.0, ..Develop::default() };
             let file = save(&image, format, bright, &Metadata::default()).unwrap();
             assert_eq!(load_image(&file, "x", &Limits::default()).unwrap(), image, "{format:?}");
         }
@@ -272,7 +274,7 @@ mod tests {
         let entries = vec![("Scene".into(), "Küche.toml\n\n".into()), ("Seed".into(), "7".into())];
         let metadata = Metadata { software: "firstlight".into(), entries };
         let image = Image::new(1, 1);
-        let develop = Develop { exposure_ev: 1.5 };
+        let develop = Develop { exposure_ev: 1.5, ..Develop::default() };
         let exr =
             save(&image, Format::Exr { precision: Precision::Half }, develop, &metadata).unwrap();
         let meta = ::exr::meta::MetaData::read_from_buffered(exr.as_slice(), true).unwrap();

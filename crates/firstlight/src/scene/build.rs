@@ -57,6 +57,7 @@ impl Scene {
             world,
             material_of,
             materials: description.materials.clone(),
+            has_panes: description.materials.iter().any(Material::is_pane),
             images: description.images.clone(),
             lights,
             round_lights,
@@ -174,6 +175,7 @@ pub(super) fn part(
 /// What traversal has to ask about surfaces of this material.
 fn flags(material: &Material) -> u32 {
     let one_sided = if material.double_sided && material.visible { 0 } else { ONE_SIDED };
-    let partly_there = if material.alpha == Alpha::Opaque { 0 } else { PARTLY_THERE };
+    let solid = material.alpha == Alpha::Opaque && !material.is_pane();
+    let partly_there = if solid { 0 } else { PARTLY_THERE };
     one_sided | partly_there
 }

@@ -1,6 +1,8 @@
 //! Is a description sound?
 
-use super::description::{Material, Mesh, Pattern, SceneDescription, Shape, Surface, Texture};
+use super::description::{
+    Material, Mesh, Pattern, Scattering, SceneDescription, Shape, Surface, Texture,
+};
 use crate::bvh::Part;
 use crate::diagnostic::{Diagnostic, Result};
 use crate::geometry::Bounds;
@@ -11,6 +13,9 @@ use std::sync::Arc;
 const FURTHEST: f32 = 1e15;
 
 impl SceneDescription {
+    /// Levels of mixes of mixes, at most; each doubles what has to be evaluated.
+    pub(crate) const MOST_MIXING: usize = 4;
+
     /// Leaves out triangles with a corner that is not finite or too far away to compute with, in their own space.
     /// Returns a complaint about `file` for each mesh that lost some.
     pub fn leave_out_far_triangles(&mut self, file: &str) -> Vec<Diagnostic> {
@@ -73,9 +78,17 @@ impl SceneDescription {
 
     fn check_material(&self, i: usize, material: &Material) -> Result<()> {
         let place = || format!("material {i} \"{}\"", material.name);
-        let textures = [&material.reflectance, &material.mirrored, &material.emission];
-        let mut textures = textures.into_iter().chain(&material.ambient_reflectance);
-        ensure(textures.all(|t| self.knows(t)), place, "a texture's picture does not exist")
+        let textures = material.textures();
+        let known = textures.into_iter().all(|texture| self.knows(texture));
+        ensure(known, place, "a texture's picture does not exist")?;
+        let sound = self.mixes_soundly(i, Self::MOST_MIXING);
+        ensure(sound, place, "it mixes later materials, itself, or mixes of more than 4 levels")
+    }
+
+    /// Whether a material mixes earlier ones alone, in at most so many levels.
+    fn mixes_soundly(&self, i: usize, levels: usize) -> bool {
+        let Scattering::Mix { materials, .. } = self.materials[i].scattering else { return true };
+        levels > 0 && materials.iter().all(|&part| part < i && self.mixes_soundly(part, levels - 1))
     }
 
     /// Number of triangles of a shape; 0 if it has a formula.

@@ -10,8 +10,14 @@ use crate::math::hash;
 /// a ray apart where chance decides.
 pub(crate) struct SeenByCamera<'a>(pub &'a Scene, pub u32);
 
-/// Shadow rays: they pass through holes only. The number is that of [`SeenByCamera`].
+/// Rays from surface to surface: they pass through holes only. The number is that of [`SeenByCamera`].
+pub(crate) struct Meets<'a>(pub &'a Scene, pub u32);
+
+/// Shadow rays: they pass through holes and panes. The number is that of [`SeenByCamera`].
 pub(crate) struct StopsLight<'a>(pub &'a Scene, pub u32);
+
+/// The panes that shadow rays pass through.
+pub(crate) struct OnlyPanes<'a>(pub &'a Scene, pub u32);
 
 impl HitFilter for SeenByCamera<'_> {
     fn flags(&self) -> u32 {
@@ -27,13 +33,34 @@ impl HitFilter for SeenByCamera<'_> {
     }
 }
 
-impl HitFilter for StopsLight<'_> {
+impl HitFilter for Meets<'_> {
     fn flags(&self) -> u32 {
         PARTLY_THERE
     }
 
     fn accepts(&self, ray: &Ray, hit: &Hit, _: bool) -> bool {
         self.0.is_there(ray, hit, self.1)
+    }
+}
+
+impl HitFilter for StopsLight<'_> {
+    fn flags(&self) -> u32 {
+        PARTLY_THERE
+    }
+
+    fn accepts(&self, ray: &Ray, hit: &Hit, _: bool) -> bool {
+        !self.0.material(hit).is_pane() && self.0.is_there(ray, hit, self.1)
+    }
+}
+
+impl HitFilter for OnlyPanes<'_> {
+    fn flags(&self) -> u32 {
+        // Others do not stand in the way of rays that reach their light.
+        PARTLY_THERE
+    }
+
+    fn accepts(&self, ray: &Ray, hit: &Hit, _: bool) -> bool {
+        self.0.material(hit).is_pane() && self.0.is_there(ray, hit, self.1)
     }
 }
 

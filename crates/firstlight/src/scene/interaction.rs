@@ -3,12 +3,10 @@
 use super::Scene;
 use super::description::{Material, Mesh, Texture};
 use crate::bvh::{MeshPart, Part};
-use crate::color::Rgb;
 use crate::geometry::{Analytic, Hit, Ray};
-use crate::shading::bsdf::Bsdf;
 use crate::shading::interaction::{SurfaceInteraction, clearance, lift};
-use crate::shading::texture::{evaluate, uv_set};
-use glam::{DVec3, Vec2, Vec3, Vec4, Vec4Swizzles};
+use crate::shading::texture::{Role, evaluate, uv_set};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 
 impl Scene {
     /// The point that `ray` hit.
@@ -26,31 +24,28 @@ impl Scene {
         &self.materials[self.material_of[hit.surface as usize] as usize]
     }
 
-    /// What the material is at a point.
-    #[inline(always)]
-    pub(crate) fn bsdf(&self, material: &Material, at: &SurfaceInteraction) -> Bsdf {
-        let reflectance = self.evaluate(&material.reflectance, at).xyz();
-        match self.evaluate(&material.mirrored, at).xyz() {
-            Rgb::ZERO => Bsdf::Lambert { reflectance },
-            mirrored => Bsdf::Mirror { mirrored, reflectance },
-        }
-    }
-
-    /// The fraction of ambient light that the material reflects at a point.
-    #[inline(always)]
-    pub(crate) fn ambient_reflectance(&self, material: &Material, at: &SurfaceInteraction) -> Rgb {
-        let texture = material.ambient_reflectance.as_ref().unwrap_or(&material.reflectance);
-        self.evaluate(texture, at).xyz()
-    }
-
-    /// Linear RGBA of a texture at a point.
+    /// Linear RGBA of a texture of colours at a point.
     #[inline(always)]
     pub(crate) fn evaluate(&self, texture: &Texture, at: &SurfaceInteraction) -> Vec4 {
+        self.look_up(texture, at, Role::Color)
+    }
+
+    /// RGBA of a texture at a point.
+    #[inline(always)]
+    pub(crate) fn look_up(&self, texture: &Texture, at: &SurfaceInteraction, role: Role) -> Vec4 {
         let uv = match (uv_set(texture), &self.world.parts()[at.hit.surface as usize]) {
             (set @ 1.., Part::Mesh(part)) => mesh_uv(&part.mesh, set, &at.hit),
             _ => at.uv,
         };
-        evaluate(texture, &self.images, uv, at.color)
+        evaluate(texture, &self.images, uv, at.color, role)
+    }
+
+    /// The directions in which the texture coordinates of a set grow, in the world, of any length; zero if unknown.
+    pub(crate) fn growing(&self, at: &SurfaceInteraction, uv_set: usize) -> [Vec3; 2] {
+        match &self.world.parts()[at.hit.surface as usize] {
+            Part::Mesh(part) => mesh_growing(part, uv_set, &at.hit),
+            Part::Analytic(shape, _) => shape.growing(at.position.as_dvec3(), at.hit.primitive),
+        }
     }
 
     /// Whether the back of a surface was hit; `from_behind` is traversal's view of it, by the winding in its tree.
@@ -165,6 +160,24 @@ fn mix<T: Copy + std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>>(
 #[inline(always)]
 fn mesh_uv(mesh: &Mesh, set: usize, hit: &Hit) -> Vec2 {
     mesh.uvs.get(set).map_or(Vec2::ZERO, |uvs| mix(mesh, uvs, hit))
+}
+
+/// From the corners' positions and texture coordinates.
+fn mesh_growing(part: &MeshPart, uv_set: usize, hit: &Hit) -> [Vec3; 2] {
+    let uvs = part.mesh.uvs.get(uv_set).filter(|uvs| !uvs.is_empty());
+    let Some(uvs) = uvs else { return [Vec3::ZERO; 2] };
+    let [a, b, c] = part.corners(hit.primitive).map(Vec3::as_dvec3);
+    let [s, t, w] = part.mesh.triangles[hit.primitive as usize].map(|i| uvs[i as usize].as_dvec2());
+    let (along, across) = (t - s, w - s);
+    let sign = along.perp_dot(across).signum();
+    let local = [
+        sign * ((b - a) * across.y - (c - a) * along.y),
+        sign * ((c - a) * along.x - (b - a) * across.x),
+    ];
+    local.map(|axis| {
+        let in_world = part.instanced.then(|| part.to_world.transform_vector3(axis));
+        in_world.unwrap_or(axis).normalize_or_zero().as_vec3()
+    })
 }
 
 #[inline(always)]

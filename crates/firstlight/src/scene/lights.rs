@@ -2,8 +2,8 @@
 
 use super::Scene;
 use super::description::{
-    Alpha, EnvironmentDescription, LightDescription, Material, Pattern, Pixels, SceneDescription,
-    Surface, Texture, Wrap,
+    Alpha, EnvironmentDescription, LightDescription, Material, Pattern, Pixels, Scattering,
+    SceneDescription, Surface, Texture, Wrap,
 };
 use crate::bvh::{MeshPart, Part, World};
 use crate::color::Rgb;
@@ -14,7 +14,7 @@ use crate::shading::light::environment::{Aim, Environment};
 use crate::shading::light::shape::{LightShape, ShapeSample, Triangle};
 use crate::shading::light::tree::LightTree;
 use crate::shading::light::{Light, RoundLight};
-use crate::shading::texture::texel;
+use crate::shading::texture::{Role, texel};
 use crate::simd::Level;
 use glam::{DMat3, DVec4, Vec2, Vec3, Vec4, Vec4Swizzles};
 use std::sync::Arc;
@@ -80,7 +80,8 @@ fn mean(pixels: &Pixels) -> Vec4 {
         let (x, y) = (i % pixels.width as usize, i / pixels.width as usize);
         Vec2::new(x as f32, y as f32)
     };
-    let texels = (0..count).map(|i| texel(pixels, place(i), [Wrap::Clamp; 2]).as_dvec4());
+    let texels =
+        (0..count).map(|i| texel(pixels, place(i), [Wrap::Clamp; 2], Role::Color).as_dvec4());
     (texels.sum::<DVec4>() / count as f64).as_vec4()
 }
 
@@ -165,7 +166,7 @@ impl SceneDescription {
     pub(crate) fn is_lecture(&self) -> bool {
         let plain = |surface: &Surface| {
             let material = &self.materials[surface.material];
-            material.is_matte() && !emits(material)
+            !matches!(material.scattering, Scattering::Mirror { .. }) && !emits(material)
         };
         self.environment.is_none()
             && !self.lights.iter().any(LightDescription::has_extent)

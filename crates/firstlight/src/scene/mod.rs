@@ -8,11 +8,13 @@ mod filter;
 mod framing;
 mod interaction;
 mod lights;
+mod material;
 mod studio;
 
-pub(crate) use filter::{SeenByCamera, StopsLight};
+pub(crate) use filter::{Meets, OnlyPanes, SeenByCamera, StopsLight};
 pub use framing::{bounds, frame};
 pub(crate) use lights::{LocalLight, LocalLights};
+pub(crate) use material::Boundary;
 pub use studio::Studio;
 
 use crate::bvh::World;
@@ -32,6 +34,8 @@ pub struct Scene {
     /// Material of each surface.
     pub(crate) material_of: Vec<u32>,
     pub(crate) materials: Vec<Material>,
+    /// Whether any of them is a pane, which shadow rays pass.
+    pub(crate) has_panes: bool,
     pub(crate) images: Vec<Arc<Pixels>>,
     /// All lights that come from one direction, in the file's order.
     pub(crate) lights: Vec<Light>,

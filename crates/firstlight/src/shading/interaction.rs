@@ -27,6 +27,12 @@ pub(crate) struct SurfaceInteraction {
 }
 
 impl SurfaceInteraction {
+    /// Where rays that leave on the other side start, t_min = 0: just behind the surface.
+    #[inline(always)]
+    pub(crate) fn behind(&self) -> Vec3 {
+        self.position - self.clearance * self.geometric_normal
+    }
+
     /// Where rays that leave on the side of the eye start, t_min = 0: just off the surface, so that they cannot
     /// hit what they leave, and on the smooth surface instead of its facets.
     ///

@@ -4,12 +4,22 @@ use crate::scene::description::{Pattern, Pixels, Sampling, Texels, Texture, Wrap
 use glam::{Vec2, Vec4};
 use std::sync::{Arc, LazyLock};
 
-/// Linear RGBA of `texture` where texture coordinates are `uv` (of the set that the texture uses).
+/// What the numbers of a picture are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Role {
+    /// Colours, which 8-bit pictures encode by sRGB.
+    Color,
+    /// Plain numbers.
+    Data,
+}
+
+/// RGBA of `texture` where texture coordinates are `uv` (of the set that the texture uses); colours are linear.
 pub(crate) fn evaluate(
     texture: &Texture,
     images: &[Arc<Pixels>],
     uv: Vec2,
     color: [f32; 4],
+    role: Role,
 ) -> Vec4 {
     let pattern = match &texture.pattern {
         Pattern::Constant => Vec4::ONE,
@@ -19,7 +29,7 @@ pub(crate) fn evaluate(
             Vec4::from_array(colors[usize::from(odd)])
         }
         Pattern::Image { image, transform, wrap, sampling, .. } => {
-            look_up(&images[*image], transform.transform_point2(uv), *wrap, *sampling)
+            look_up(&images[*image], transform.transform_point2(uv), *wrap, *sampling, role)
         }
     };
     let vertex = if texture.vertex_colors { Vec4::from_array(color) } else { Vec4::ONE };
@@ -34,14 +44,20 @@ pub(crate) fn uv_set(texture: &Texture) -> usize {
     }
 }
 
-/// Linear RGBA of a picture at texture coordinates, v up.
-pub(crate) fn look_up(pixels: &Pixels, uv: Vec2, wrap: [Wrap; 2], sampling: Sampling) -> Vec4 {
+/// RGBA of a picture at texture coordinates, v up.
+pub(crate) fn look_up(
+    pixels: &Pixels,
+    uv: Vec2,
+    wrap: [Wrap; 2],
+    sampling: Sampling,
+    role: Role,
+) -> Vec4 {
     let place = Vec2::new(uv.x, 1.0 - uv.y) * Vec2::new(pixels.width as f32, pixels.height as f32);
     match sampling {
-        Sampling::Nearest => texel(pixels, place.floor(), wrap),
+        Sampling::Nearest => texel(pixels, place.floor(), wrap, role),
         Sampling::Bilinear => {
             let (corner, part) = ((place - 0.5).floor(), (place - 0.5) - (place - 0.5).floor());
-            let at = |x, y| texel(pixels, corner + Vec2::new(x, y), wrap);
+            let at = |x, y| texel(pixels, corner + Vec2::new(x, y), wrap, role);
             let (upper, lower) =
                 (at(0.0, 0.0).lerp(at(1.0, 0.0), part.x), at(0.0, 1.0).lerp(at(1.0, 1.0), part.x));
             upper.lerp(lower, part.y)
@@ -50,11 +66,14 @@ pub(crate) fn look_up(pixels: &Pixels, uv: Vec2, wrap: [Wrap; 2], sampling: Samp
 }
 
 /// The texel at whole-numbered `place`, wrapped into the picture.
-pub(crate) fn texel(pixels: &Pixels, place: Vec2, wrap: [Wrap; 2]) -> Vec4 {
+pub(crate) fn texel(pixels: &Pixels, place: Vec2, wrap: [Wrap; 2], role: Role) -> Vec4 {
     let x = wrapped(place.x, pixels.width, wrap[0]);
     let y = wrapped(place.y, pixels.height, wrap[1]);
     let index = y * pixels.width as usize + x;
     match &pixels.texels {
+        Texels::Srgb8(texels) if role == Role::Data => {
+            Vec4::from_array(texels[index].map(f32::from)) / 255.0
+        }
         Texels::Srgb8(texels) => {
             let [r, g, b, a] = texels[index].map(usize::from);
             Vec4::new(DECODED[r], DECODED[g], DECODED[b], a as f32 / 255.0)
@@ -96,7 +115,9 @@ mod tests {
     fn pictures_stand_upright_and_are_joined_in_linear_light() {
         let texels = Texels::Srgb8(vec![[255, 0, 0, 255], [0; 4], [0; 4], [0, 255, 0, 255]]);
         let pixels = Pixels { name: String::new(), width: 2, height: 2, texels };
-        let at = |u, v, sampling| look_up(&pixels, Vec2::new(u, v), [Wrap::Clamp; 2], sampling);
+        let at = |u, v, sampling| {
+            look_up(&pixels, Vec2::new(u, v), [Wrap::Clamp; 2], sampling, Role::Color)
+        };
         assert_eq!(at(0.1, 0.9, Sampling::Nearest), Vec4::new(1.0, 0.0, 0.0, 1.0));
         assert_eq!(at(0.9, 0.1, Sampling::Nearest), Vec4::new(0.0, 1.0, 0.0, 1.0));
         assert_eq!(at(0.5, 0.5, Sampling::Bilinear), Vec4::new(0.25, 0.25, 0.0, 0.5));
@@ -106,7 +127,7 @@ mod tests {
     fn checkers_alternate_across_the_origin() {
         let pattern = Pattern::Checker { colors: [[1.0; 4], [0.0; 4]], size: Vec2::splat(0.5) };
         let texture = Texture { factor: [1.0; 4], pattern, vertex_colors: false };
-        let at = |u, v| evaluate(&texture, &[], Vec2::new(u, v), [1.0; 4]).x;
+        let at = |u, v| evaluate(&texture, &[], Vec2::new(u, v), [1.0; 4], Role::Color).x;
         assert_eq!(
             [at(0.1, 0.1), at(0.6, 0.1), at(-0.1, 0.1), at(-0.1, -0.1)],
             [1.0, 0.0, 0.0, 1.0]

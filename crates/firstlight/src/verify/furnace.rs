@@ -2,7 +2,6 @@
 
 use super::scenes::*;
 use super::{Case, Readings, Tolerance};
-use crate::color::Rgb;
 use crate::scene::Scene;
 use crate::scene::description::*;
 use glam::{DAffine3, DVec3, Vec3};
@@ -119,8 +118,7 @@ fn c05(readings: &mut Readings) {
 }
 
 fn c06(readings: &mut Readings) {
-    let mirrored = Texture::constant(Rgb::splat(0.5));
-    let walls = Material { mirrored, ..glowing(0.25, 0.25) };
+    let walls = Material { scattering: mirror(0.5).scattering, ..glowing(0.25, 0.25) };
     inside(readings, "", cube(DVec3::ZERO, 2.0), walls, None, 1.0);
 }
 
@@ -128,8 +126,7 @@ fn c06(readings: &mut Readings) {
 fn isothermal_room() -> SceneDescription {
     let mut scene = scene_for_paths(0.0);
     scene.materials = [0.2, 0.5, 0.9].map(|r| glowing(1.0 - r, r)).to_vec();
-    let mirrored = Texture::constant(Rgb::splat(0.6));
-    scene.materials.push(Material { mirrored, ..glowing(0.3, 0.1) });
+    scene.materials.push(Material { scattering: mirror(0.6).scattering, ..glowing(0.3, 0.1) });
     add_with(&mut scene, cube(DVec3::ZERO, 2.0), 1);
     add_with(&mut scene, ball(v(0.3, 0.2, -0.5), 0.4), 0);
     add_with(&mut scene, ball(v(-0.4, 0.1, 0.3), 0.3), 3);

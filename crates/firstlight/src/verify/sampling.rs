@@ -10,7 +10,7 @@ use crate::integrator::Meter;
 use crate::sampler::Sampler;
 use crate::scene::Scene;
 use crate::scene::description::*;
-use crate::shading::bsdf::Bsdf;
+use crate::shading::bsdf::{Bsdf, Frame, Kind, Lobe};
 use crate::shading::light::environment::Sun;
 use crate::shading::light::shape::{LightShape, Triangle};
 use glam::{DVec2, DVec3, Vec2, Vec3};
@@ -71,10 +71,15 @@ fn moment(readings: &mut Readings, at: &str, expected: f64, mut value: impl FnMu
     readings.estimate(at, mean, standard_error, f64::INFINITY, expected);
 }
 
+/// A white matte ground that faces up, seen from above.
+fn matte() -> Bsdf<'static> {
+    const WHITE: [Lobe; 1] = [Lobe { kind: Kind::Lambert, weight: Rgb::ONE, share: 1.0 }];
+    Bsdf { frame: Frame::around(Vec3::Z), outgoing: Vec3::Z, lobes: &WHITE }
+}
+
 fn s01(readings: &mut Readings) {
-    let matte = Bsdf::Lambert { reflectance: Rgb::ONE };
-    let cosine =
-        |u| matte.sample(Vec3::Z, Vec3::Z, 0.0, u).map_or(0.0, |s| f64::from(s.incoming.z));
+    let matte = matte();
+    let cosine = |u| matte.sample(0.0, u).map_or(0.0, |s| f64::from(s.incoming.z));
     moment(readings, "cos_hemi", 2.0 / 3.0, cosine);
     moment(readings, "cos_hemi2", 0.5, |u| cosine(u).powi(2));
     let (vertical_fov, focus_distance) = (1.0, 1.0);
@@ -132,9 +137,9 @@ fn directions(
 }
 
 fn s03(readings: &mut Readings) {
-    let matte = Bsdf::Lambert { reflectance: Rgb::ONE };
-    let reflected = |u| matte.sample(Vec3::Z, Vec3::Z, 0.0, u).map(|sample| sample.incoming);
-    directions(readings, "matte", reflected, |d| if d.z > 0.0 { matte.pdf(d.z) } else { 0.0 });
+    let matte = matte();
+    let reflected = |u| matte.sample(0.0, u).map(|sample| sample.incoming);
+    directions(readings, "matte", reflected, |d| matte.eval(d).1);
     let [zenith, horizon, nadir] = [0.2, 1.5, 0.4].map(Rgb::splat);
     let texel = |i: u32| [((i * 7919) % 23) as f32; 4];
     let texels = Texels::Linear((0..16 * 8).map(texel).collect());

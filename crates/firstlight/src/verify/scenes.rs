@@ -44,8 +44,7 @@ pub fn glowing(radiance: f32, reflectance: f32) -> Material {
 
 /// A perfect mirror that loses a part of the light.
 pub fn mirror(mirrored: f32) -> Material {
-    let mirrored = Texture::constant(Rgb::splat(mirrored));
-    Material { mirrored, ..Material::matte("mirror", Rgb::ZERO) }
+    Material::mirror("mirror", Rgb::splat(mirrored))
 }
 
 /// Adds a surface of material 0.

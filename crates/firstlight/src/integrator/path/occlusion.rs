@@ -7,7 +7,7 @@ use crate::geometry::Ray;
 use crate::integrator::dimensions::Bounce;
 use crate::sampler::PathPoints;
 use crate::scene::Scene;
-use crate::shading::bsdf::Bsdf;
+use crate::shading::bsdf::{Kind, Lobe};
 use glam::{DVec3, Vec2, Vec3};
 
 /// Looks for the sky.
@@ -49,13 +49,15 @@ impl<'a> Occlusion<'a> {
     #[inline(always)]
     fn arrive(&self, scratch: &mut Scratch) {
         let Path { scene, transparent, .. } = self.path;
-        let Scratch { rays, walks, hits, vertices, samples, on_surface, .. } = scratch;
+        let Scratch { rays, walks, hits, vertices, lobes, samples, on_surface, .. } = scratch;
+        lobes.push(Lobe { kind: Kind::Lambert, weight: Rgb::ONE, share: 1.0 });
         for ((ray, walk), hit) in rays.iter().zip(&*walks).zip(&*hits) {
             let sample = &mut samples[walk.sample as usize];
             if hit.is_some() {
                 on_surface.push(walk.sample);
-                let white = Bsdf::Lambert { reflectance: Rgb::ONE };
-                vertices.push(Vertex::new(*walk, ray, &scene.interaction(ray, hit), white));
+                let mut white = Vertex::new(*walk, ray, &scene.interaction(ray, hit), 0);
+                white.lobes.end = 1;
+                vertices.push(white);
             } else if transparent {
                 sample.alpha = 0.0;
             } else {
@@ -67,17 +69,16 @@ impl<'a> Occlusion<'a> {
     #[inline(always)]
     fn ask_the_sky(&self, points: &[PathPoints], scratch: &mut Scratch) {
         let pair = Bounce::new(0).direction();
-        self.path.ask(scratch, |vertex| {
-            self.light_from_sky(vertex, points[vertex.walk.sample as usize].pair(pair))
+        self.path.ask(scratch, |vertex, lobes| {
+            self.light_from_sky(vertex, lobes, points[vertex.walk.sample as usize].pair(pair))
         });
     }
 
     /// From a direction picked by its cosine, in which the sky may be.
     #[inline(always)]
-    fn light_from_sky(&self, vertex: &Vertex, u: Vec2) -> Option<Answer> {
-        let Vertex { shading_normal, outgoing, bsdf, start, .. } = vertex;
-        let sample = bsdf.sample(*shading_normal, *outgoing, 0.0, u)?;
-        let ray = Ray { t_max: self.distance, ..Ray::new(*start, sample.incoming) };
+    fn light_from_sky(&self, vertex: &Vertex, lobes: &[Lobe], u: Vec2) -> Option<Answer> {
+        let sample = vertex.bsdf(lobes).sample(0.0, u)?;
+        let ray = Ray { t_max: self.distance, ..Ray::new(vertex.starts[0], sample.incoming) };
         Some(Answer { ray: Some(ray), radiance: sample.weight })
     }
 }

@@ -59,6 +59,35 @@ struct Asset {
 pub(super) struct DocumentExtensions {
     #[serde(rename = "KHR_lights_punctual")]
     pub(super) lights: Lights,
+    #[serde(rename = "KHR_materials_variants")]
+    pub(super) variants: Variants,
+}
+
+/// The names of the variants that a file has.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Variants {
+    pub(super) variants: Vec<Variant>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Variant {
+    pub(super) name: Option<String>,
+}
+
+/// Which material a primitive has in which variants.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct VariantMappings {
+    pub(super) mappings: Vec<VariantMapping>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct VariantMapping {
+    pub(super) material: u32,
+    #[serde(default)]
+    pub(super) variants: Vec<u32>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -148,6 +177,8 @@ pub(super) struct Primitive {
 pub(super) struct PrimitiveExtensions {
     #[serde(rename = "KHR_draco_mesh_compression")]
     pub(super) draco: Option<Draco>,
+    #[serde(rename = "KHR_materials_variants")]
+    pub(super) variants: Option<VariantMappings>,
 }
 
 #[derive(Debug, Deserialize, PartialEq, Eq, Hash)]
@@ -164,6 +195,7 @@ pub(super) struct Material {
     pub(super) pbr_metallic_roughness: Option<Box<MetallicRoughness>>,
     pub(super) emissive_factor: Option<[Real; 3]>,
     pub(super) emissive_texture: Option<Box<TextureInfo>>,
+    pub(super) normal_texture: Option<Box<TextureInfo>>,
     pub(super) alpha_mode: Option<String>,
     pub(super) alpha_cutoff: Option<Real>,
     pub(super) double_sided: bool,
@@ -176,6 +208,8 @@ pub(super) struct MetallicRoughness {
     pub(super) base_color_factor: Option<[Real; 4]>,
     pub(super) base_color_texture: Option<TextureInfo>,
     pub(super) metallic_factor: Option<Real>,
+    pub(super) roughness_factor: Option<Real>,
+    pub(super) metallic_roughness_texture: Option<TextureInfo>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -188,22 +222,87 @@ pub(super) struct MaterialExtensions {
     #[serde(rename = "KHR_materials_unlit")]
     pub(super) unlit: Option<IgnoredAny>,
     #[serde(rename = "KHR_materials_anisotropy")]
-    pub(super) anisotropy: Option<IgnoredAny>,
+    pub(super) anisotropy: Option<Anisotropy>,
     #[serde(rename = "KHR_materials_clearcoat")]
-    pub(super) clearcoat: Option<IgnoredAny>,
+    pub(super) clearcoat: Option<Clearcoat>,
     #[serde(rename = "KHR_materials_diffuse_transmission")]
-    pub(super) diffuse_transmission: Option<IgnoredAny>,
+    pub(super) diffuse_transmission: Option<DiffuseTransmission>,
+    #[serde(rename = "KHR_materials_dispersion")]
+    pub(super) dispersion: Option<Dispersion>,
+    #[serde(rename = "KHR_materials_ior")]
+    pub(super) ior: Option<Ior>,
     #[serde(rename = "KHR_materials_iridescence")]
-    pub(super) iridescence: Option<IgnoredAny>,
+    pub(super) iridescence: Option<Iridescence>,
     #[serde(rename = "KHR_materials_sheen")]
-    pub(super) sheen: Option<IgnoredAny>,
+    pub(super) sheen: Option<Sheen>,
     #[serde(rename = "KHR_materials_specular")]
-    pub(super) specular: Option<IgnoredAny>,
+    pub(super) specular: Option<Specular>,
     #[serde(rename = "KHR_materials_transmission")]
-    pub(super) transmission: Option<IgnoredAny>,
+    pub(super) transmission: Option<Transmission>,
     #[serde(rename = "KHR_materials_volume")]
-    pub(super) volume: Option<IgnoredAny>,
+    pub(super) volume: Option<Volume>,
 }
+
+/// A struct of an extension: all fields are optional.
+macro_rules! extension {
+    ($name:ident { $($field:ident: $type:ty,)* }) => {
+        #[derive(Debug, Default, Deserialize)]
+        #[serde(default, rename_all = "camelCase")]
+        pub(super) struct $name {
+            $(pub(super) $field: Option<$type>,)*
+        }
+    };
+}
+
+extension! { Anisotropy {
+    anisotropy_strength: Real,
+    anisotropy_rotation: Real,
+    anisotropy_texture: TextureInfo,
+} }
+extension! { Clearcoat {
+    clearcoat_factor: Real,
+    clearcoat_texture: TextureInfo,
+    clearcoat_roughness_factor: Real,
+    clearcoat_roughness_texture: TextureInfo,
+    clearcoat_normal_texture: IgnoredAny,
+} }
+extension! { DiffuseTransmission {
+    diffuse_transmission_factor: Real,
+    diffuse_transmission_texture: TextureInfo,
+    diffuse_transmission_color_factor: [Real; 3],
+    diffuse_transmission_color_texture: TextureInfo,
+} }
+extension! { Dispersion { dispersion: Real, } }
+extension! { Ior { ior: Real, } }
+extension! { Iridescence {
+    iridescence_factor: Real,
+    iridescence_texture: TextureInfo,
+    iridescence_ior: Real,
+    iridescence_thickness_minimum: Real,
+    iridescence_thickness_maximum: Real,
+    iridescence_thickness_texture: TextureInfo,
+} }
+extension! { Sheen {
+    sheen_color_factor: [Real; 3],
+    sheen_color_texture: TextureInfo,
+    sheen_roughness_factor: Real,
+    sheen_roughness_texture: TextureInfo,
+} }
+extension! { Specular {
+    specular_factor: Real,
+    specular_texture: TextureInfo,
+    specular_color_factor: [Real; 3],
+    specular_color_texture: TextureInfo,
+} }
+extension! { Transmission {
+    transmission_factor: Real,
+    transmission_texture: TextureInfo,
+} }
+extension! { Volume {
+    thickness_factor: Real,
+    attenuation_distance: Real,
+    attenuation_color: [Real; 3],
+} }
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
@@ -216,6 +315,9 @@ pub(super) struct EmissiveStrength {
 pub(super) struct SpecularGlossiness {
     pub(super) diffuse_factor: Option<[Real; 4]>,
     pub(super) diffuse_texture: Option<TextureInfo>,
+    pub(super) specular_factor: Option<[Real; 3]>,
+    pub(super) glossiness_factor: Option<Real>,
+    pub(super) specular_glossiness_texture: Option<IgnoredAny>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -224,6 +326,8 @@ pub(super) struct TextureInfo {
     pub(super) index: u32,
     #[serde(default)]
     pub(super) tex_coord: u32,
+    /// Of normal textures.
+    pub(super) scale: Option<Real>,
     #[serde(default)]
     pub(super) extensions: TextureInfoExtensions,
 }

@@ -6,7 +6,7 @@ use super::notes::Notes;
 use crate::diagnostic::{Diagnostic, Result};
 
 /// Extensions that are read, and those that change nothing in a still picture.
-const KNOWN: [&str; 15] = [
+const KNOWN: [&str; 28] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
@@ -22,7 +22,20 @@ const KNOWN: [&str; 15] = [
     "EXT_texture_avif",
     "KHR_texture_basisu",
     "MSFT_texture_dds",
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
+    "KHR_materials_diffuse_transmission",
+    "KHR_materials_dispersion",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_iridescence",
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_sheen",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",
     "KHR_materials_variants",
+    "KHR_materials_volume",
 ];
 
 /// Textures in formats that cannot be decoded: a file may offer them, but not require them.

@@ -1,16 +1,25 @@
-//! Materials: what of glTF's metallic-roughness model a matte surface can show.
+//! Materials: glTF's metallic-roughness model, with the ratified extensions.
 
 use super::data::Data;
-use super::document::{self, MaterialExtensions, Sampler, TextureInfo, plain};
+use super::document::{
+    self, MaterialExtensions, Real, Sampler, SpecularGlossiness, TextureInfo, plain,
+};
 use super::notes::Notes;
 use super::picture::Pictures;
 use crate::color::Rgb;
 use crate::diagnostic::Result;
 use crate::scene::description::{
-    Alpha, Material, Pattern, Pixels, Sampling, Texture, UvTransform, Wrap,
+    Alpha, Facets, Interior, Material, NormalMap, Pattern, Pixels, Principled, Sampling, Scalar,
+    Scattering, Texture, UvTransform, Wrap,
 };
 use glam::{Affine2, Mat2, Vec2};
 use std::sync::Arc;
+
+/// Channels of textures.
+const RED: usize = 0;
+const GREEN: usize = 1;
+const BLUE: usize = 2;
+const ALPHA: usize = 3;
 
 /// The materials read so far.
 pub(super) struct Materials {
@@ -61,7 +70,9 @@ impl Materials {
         if let Some(place) = self.default {
             return place;
         }
-        let mut white = Material { double_sided: false, ..Material::matte("default", Rgb::ONE) };
+        let scattering = Scattering::Principled(Box::default());
+        let matte = Material::matte("default", Rgb::ONE);
+        let mut white = Material { double_sided: false, scattering, ..matte };
         white.reflectance.vertex_colors = true;
         let place = self.add(white);
         self.default = Some(place);
@@ -105,23 +116,207 @@ impl Reader<'_, '_, '_> {
         let extensions = material.extensions.as_deref().unwrap_or(&none);
         let base = self.base_color(material, extensions)?;
         let unlit = extensions.unlit.is_some();
-        if !unlit && is_more_than_matte(material, extensions) {
-            self.notes.add(self.part, "uses metal, gloss or transmission; it is shown matte");
-        }
+        let matte = Material::matte(self.name(material, index), Rgb::ZERO);
         let [.., alpha] = base.factor;
         let (reflectance, emission) = if unlit {
             (Texture { factor: [0.0, 0.0, 0.0, alpha], ..base.clone() }, base)
         } else {
             (base, self.emission(material, extensions)?)
         };
-        let name = material.name.clone().unwrap_or_else(|| format!("material {index}"));
+        let scattering = match (&extensions.specular_glossiness, unlit) {
+            (_, true) => matte.scattering.clone(),
+            (Some(old), _) => self.specular_glossiness(old),
+            (None, _) => self.scattering(material, extensions)?,
+        };
         Ok(Material {
             reflectance,
             emission,
+            scattering,
+            normal: if unlit { None } else { self.normal(material)? },
+            interior: if unlit { None } else { interior(extensions) },
             alpha: self.alpha(material)?,
             double_sided: material.double_sided,
-            ..Material::matte(name, Rgb::ZERO)
+            ..matte
         })
+    }
+
+    fn name(&self, material: &document::Material, index: u32) -> String {
+        material.name.clone().unwrap_or_else(|| format!("material {index}"))
+    }
+
+    fn normal(&mut self, material: &document::Material) -> Result<Option<NormalMap>> {
+        let Some(info) = &material.normal_texture else { return Ok(None) };
+        let texture = self.texture([1.0; 4], Some(info), "normalTexture")?;
+        let scale = info.scale.map_or(1.0, |scale| scale.0);
+        // A stand-in for a missing picture holds colours, not normals.
+        let found = matches!(texture.pattern, Pattern::Image { .. });
+        Ok(found.then_some(NormalMap { texture, scale }))
+    }
+
+    /// The metallic-roughness surface and its extensions.
+    fn scattering(
+        &mut self,
+        material: &document::Material,
+        extensions: &MaterialExtensions,
+    ) -> Result<Scattering> {
+        let mut p = Principled::default();
+        if let Some(pbr) = &material.pbr_metallic_roughness {
+            let (info, field) = (
+                pbr.metallic_roughness_texture.as_ref(),
+                "pbrMetallicRoughness.metallicRoughnessTexture",
+            );
+            p.metallic = self.scalar(pbr.metallic_factor, 1.0, info, BLUE, field)?;
+            p.facets.roughness = self.scalar(pbr.roughness_factor, 1.0, info, GREEN, field)?;
+        }
+        p.ior = extensions.ior.as_ref().and_then(|e| e.ior).map_or(1.5, |ior| ior.0);
+        if p.ior != 0.0 && p.ior < 1.0 {
+            self.notes.add(
+                self.part,
+                format!("has an index of refraction of {}, below 1; 1 is taken", p.ior),
+            );
+            p.ior = 1.0;
+        }
+        self.add_reflection(&mut p, extensions)?;
+        self.add_transmission(&mut p, extensions)?;
+        self.add_layers(&mut p, extensions)?;
+        Ok(Scattering::Principled(Box::new(p)))
+    }
+
+    fn add_reflection(
+        &mut self,
+        p: &mut Principled,
+        extensions: &MaterialExtensions,
+    ) -> Result<()> {
+        if let Some(e) = &extensions.specular {
+            p.specular = self.scalar(
+                e.specular_factor,
+                1.0,
+                e.specular_texture.as_ref(),
+                ALPHA,
+                "specularTexture",
+            )?;
+            let (factor, info) = (e.specular_color_factor, e.specular_color_texture.as_ref());
+            p.specular_color = self.color(factor, [1.0; 3], info, "specularColorTexture")?;
+        }
+        if let Some(e) = &extensions.anisotropy {
+            let info = e.anisotropy_texture.as_ref();
+            p.facets.anisotropy =
+                self.scalar(e.anisotropy_strength, 0.0, info, BLUE, "anisotropyTexture")?;
+            p.facets.rotation = e.anisotropy_rotation.map_or(0.0, |angle| angle.0);
+            p.facets.direction = match info {
+                Some(_) => Some(self.texture([1.0; 4], info, "anisotropyTexture")?),
+                None => None,
+            };
+        }
+        if let Some(e) = &extensions.iridescence {
+            let info = e.iridescence_texture.as_ref();
+            p.iridescence =
+                self.scalar(e.iridescence_factor, 0.0, info, RED, "iridescenceTexture")?;
+            p.iridescence_ior = e.iridescence_ior.map_or(1.3, |ior| ior.0.max(1.0));
+            let info = e.iridescence_thickness_texture.as_ref();
+            p.iridescence_thickness =
+                self.scalar(None, 1.0, info, GREEN, "iridescenceThicknessTexture")?;
+            p.iridescence_thickness_range = [
+                e.iridescence_thickness_minimum.map_or(100.0, |nm| nm.0.max(0.0)),
+                e.iridescence_thickness_maximum.map_or(400.0, |nm| nm.0.max(0.0)),
+            ];
+        }
+        Ok(())
+    }
+
+    fn add_transmission(
+        &mut self,
+        p: &mut Principled,
+        extensions: &MaterialExtensions,
+    ) -> Result<()> {
+        if let Some(e) = &extensions.transmission {
+            let info = e.transmission_texture.as_ref();
+            p.transmission =
+                self.scalar(e.transmission_factor, 0.0, info, RED, "transmissionTexture")?;
+        }
+        if let Some(e) = &extensions.diffuse_transmission {
+            let info = e.diffuse_transmission_texture.as_ref();
+            let factor = e.diffuse_transmission_factor;
+            p.diffuse_transmission =
+                self.scalar(factor, 0.0, info, ALPHA, "diffuseTransmissionTexture")?;
+            let (factor, info) = (
+                e.diffuse_transmission_color_factor,
+                e.diffuse_transmission_color_texture.as_ref(),
+            );
+            p.diffuse_transmission_color =
+                self.color(factor, [1.0; 3], info, "diffuseTransmissionColorTexture")?;
+        }
+        Ok(())
+    }
+
+    fn add_layers(&mut self, p: &mut Principled, extensions: &MaterialExtensions) -> Result<()> {
+        if let Some(e) = &extensions.clearcoat {
+            p.clearcoat = self.scalar(
+                e.clearcoat_factor,
+                0.0,
+                e.clearcoat_texture.as_ref(),
+                RED,
+                "clearcoatTexture",
+            )?;
+            let (factor, info) =
+                (e.clearcoat_roughness_factor, e.clearcoat_roughness_texture.as_ref());
+            p.clearcoat_roughness =
+                self.scalar(factor, 0.0, info, GREEN, "clearcoatRoughnessTexture")?;
+            if e.clearcoat_normal_texture.is_some() {
+                self.notes.add(self.part, "has a clearcoat normal texture, which is not shown");
+            }
+        }
+        if let Some(e) = &extensions.sheen {
+            let (factor, info) = (e.sheen_color_factor, e.sheen_color_texture.as_ref());
+            p.sheen_color = self.color(factor, [0.0; 3], info, "sheenColorTexture")?;
+            let (factor, info) = (e.sheen_roughness_factor, e.sheen_roughness_texture.as_ref());
+            p.sheen_roughness = self.scalar(factor, 0.0, info, ALPHA, "sheenRoughnessTexture")?;
+        }
+        Ok(())
+    }
+
+    /// KHR_materials_pbrSpecularGlossiness, which is no longer recommended: a dielectric of its gloss.
+    fn specular_glossiness(&mut self, old: &SpecularGlossiness) -> Scattering {
+        if old.specular_glossiness_texture.is_some() {
+            self.notes.add(self.part, "has a specular-glossiness texture, which is not shown");
+        }
+        let glossiness =
+            old.glossiness_factor.map_or(1.0, |glossiness| glossiness.0.clamp(0.0, 1.0));
+        let specular = old.specular_factor.map_or([1.0; 3], plain).map(|f| f.clamp(0.0, 1.0));
+        Scattering::Principled(Box::new(Principled {
+            metallic: Scalar::constant(0.0),
+            facets: Facets::of(Scalar::constant(1.0 - glossiness)),
+            // A surface that reflects all, of which the colour leaves what it says.
+            ior: 0.0,
+            specular_color: Texture::constant(Rgb::from_array(specular)),
+            ..Principled::default()
+        }))
+    }
+
+    /// One channel of a texture of numbers; a factor outside 0..1 is clamped.
+    fn scalar(
+        &mut self,
+        factor: Option<Real>,
+        default: f32,
+        info: Option<&TextureInfo>,
+        channel: usize,
+        field: &str,
+    ) -> Result<Scalar> {
+        let factor = factor.map_or(default, |factor| factor.0.clamp(0.0, 1.0));
+        let info = info.filter(|_| factor != 0.0);
+        Ok(Scalar { texture: self.texture([factor; 4], info, field)?, channel })
+    }
+
+    fn color(
+        &mut self,
+        factor: Option<[Real; 3]>,
+        default: [f32; 3],
+        info: Option<&TextureInfo>,
+        field: &str,
+    ) -> Result<Texture> {
+        let [r, g, b] = factor.map_or(default, plain).map(|channel| channel.max(0.0));
+        let info = info.filter(|_| [r, g, b] != [0.0; 3]);
+        self.texture([r, g, b, 1.0], info, field)
     }
 
     fn base_color(
@@ -249,21 +444,19 @@ fn uv_transform(info: &TextureInfo) -> UvTransform {
     flip * down * flip
 }
 
-/// Whether the file asks for a look that a matte surface does not have.
-fn is_more_than_matte(material: &document::Material, extensions: &MaterialExtensions) -> bool {
-    let e = extensions;
-    let metal = material.pbr_metallic_roughness.as_ref().and_then(|pbr| pbr.metallic_factor);
-    let layers = [
-        &e.anisotropy,
-        &e.clearcoat,
-        &e.diffuse_transmission,
-        &e.iridescence,
-        &e.sheen,
-        &e.specular,
-        &e.transmission,
-        &e.volume,
-    ];
-    e.specular_glossiness.is_some()
-        || metal.is_none_or(|factor| factor.0 > 0.0)
-        || layers.iter().any(|layer| layer.is_some())
+/// KHR_materials_volume: what is inside, if the surface has one.
+fn interior(extensions: &MaterialExtensions) -> Option<Interior> {
+    let volume = extensions.volume.as_ref()?;
+    volume.thickness_factor.filter(|thickness| thickness.0 > 0.0)?;
+    let ior = extensions.ior.as_ref().and_then(|e| e.ior).map_or(1.5, |ior| ior.0);
+    let color = Rgb::from_array(volume.attenuation_color.map_or([1.0; 3], plain));
+    let distance = volume.attenuation_distance.map_or(f32::INFINITY, |distance| distance.0);
+    let dispersion = extensions.dispersion.as_ref().and_then(|e| e.dispersion);
+    Some(Interior {
+        index: ior.max(1.0),
+        // The extension's number is 20 over the Abbe number.
+        dispersion: dispersion.map_or(0.0, |dispersion| dispersion.0.max(0.0) / 20.0),
+        absorption: Interior::absorption(color, distance.max(f32::MIN_POSITIVE)),
+        priority: 0,
+    })
 }

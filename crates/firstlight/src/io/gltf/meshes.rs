@@ -5,6 +5,7 @@ use super::document::{Draco, Primitive};
 use super::geometry;
 use super::material::Materials;
 use super::notes::Notes;
+use super::variants;
 use crate::diagnostic::Result;
 use crate::scene::description::{Material, Mesh, Pattern};
 use std::collections::{BTreeMap, HashMap};
@@ -13,6 +14,8 @@ use std::sync::Arc;
 /// The meshes read so far.
 pub(super) struct Meshes<'a> {
     data: &'a Data<'a>,
+    /// Which look is shown.
+    variant: Option<u32>,
     /// They go into the scene.
     pub(super) list: Vec<Arc<Mesh>>,
     /// Primitives with the same data share a mesh.
@@ -32,8 +35,8 @@ pub(super) struct Part {
 }
 
 impl<'a> Meshes<'a> {
-    pub(super) fn new(data: &'a Data<'a>) -> Self {
-        Self { data, list: Vec::new(), places: HashMap::new(), read: HashMap::new() }
+    pub(super) fn new(data: &'a Data<'a>, variant: Option<u32>) -> Self {
+        Self { data, variant, list: Vec::new(), places: HashMap::new(), read: HashMap::new() }
     }
 
     /// The name of the mesh that `part` refers to by `index`.
@@ -81,7 +84,12 @@ impl<'a> Meshes<'a> {
     ) -> Result<Option<Part>> {
         let Some(place) = self.place(primitive, name, part, notes)? else { return Ok(None) };
         let field = format!("{part}.material");
-        let material = materials.place(self.data, primitive.material, &field, notes)?;
+        let material = materials.place(
+            self.data,
+            variants::material(primitive, self.variant),
+            &field,
+            notes,
+        )?;
         let Some(mesh) = self.list.get(place) else { return Ok(None) };
         if !mesh.colors.is_empty() {
             materials.use_vertex_colors(material);
@@ -115,9 +123,8 @@ impl<'a> Meshes<'a> {
 }
 
 fn needs_more_uvs(material: &Material, mesh: &Mesh) -> bool {
-    let lacks = |pattern: &Pattern| match pattern {
-        Pattern::Image { uv_set, .. } => *uv_set >= mesh.uvs.len(),
+    material.textures().into_iter().any(|texture| match texture.pattern {
+        Pattern::Image { uv_set, .. } => uv_set >= mesh.uvs.len(),
         _ => false,
-    };
-    lacks(&material.reflectance.pattern) || lacks(&material.emission.pattern)
+    })
 }

@@ -23,6 +23,7 @@ mod picture;
 #[cfg(test)]
 mod tests;
 mod uri;
+mod variants;
 mod view;
 
 use crate::diagnostic::{Diagnostic, Result};
@@ -38,6 +39,7 @@ use notes::Notes;
 
 /// Reads a glTF 2.0 document or a GLB (told apart by its first bytes); `name` is for messages.
 ///
+/// `variant`: which of the file's looks is shown (KHR_materials_variants); `None`: the one that it has without.
 /// Each primitive becomes one mesh, shared by all nodes that show it, and each node's primitive one surface with
 /// the node's name. Axes stay glTF's: Y up, metres. Buffers and pictures beside the document are opened through
 /// `access`. Lights are converted to radiometric units with the scene's luminous efficacy.
@@ -48,6 +50,7 @@ use notes::Notes;
 pub fn read(
     bytes: &[u8],
     name: &str,
+    variant: Option<&str>,
     access: &FileAccess,
     warnings: &mut Warnings,
 ) -> Result<SceneDescription> {
@@ -56,7 +59,8 @@ pub fn read(
     let mut notes = Notes::new(name);
     extension::check(&document, name, &mut notes)?;
     let data = Data::load(&document, contents.binary, name, access)?;
-    let scene = Builder::new(&data, &mut notes).build()?;
+    let variant = variant.map(|variant| variants::find(&data, variant)).transpose()?;
+    let scene = Builder::new(&data, variant, &mut notes).build()?;
     notes.finish(warnings);
     Ok(scene)
 }
@@ -73,8 +77,8 @@ struct Builder<'a, 'n, 'f> {
 }
 
 impl<'a, 'n, 'f> Builder<'a, 'n, 'f> {
-    fn new(data: &'a Data<'a>, notes: &'n mut Notes<'f>) -> Self {
-        let (meshes, materials) = (Meshes::new(data), Materials::new(data));
+    fn new(data: &'a Data<'a>, variant: Option<u32>, notes: &'n mut Notes<'f>) -> Self {
+        let (meshes, materials) = (Meshes::new(data, variant), Materials::new(data));
         let left = data.access.limits.decoded_bytes;
         Self { data, notes, meshes, materials, scene: SceneDescription::default(), left }
     }

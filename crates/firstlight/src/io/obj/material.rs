@@ -1,4 +1,4 @@
-//! MTL materials as matte ones.
+//! MTL materials as glTF's: by their PBR keys, or by what Phong's meant.
 
 use super::mtl::{Library, Map, Mtl};
 use crate::color::Rgb;
@@ -7,8 +7,12 @@ use crate::io::pictures::Pictures;
 use crate::io::text::{Tally, counted, did_you_mean, quoted};
 use crate::io::triangles::default_material;
 use crate::io::{FileAccess, Warnings};
-use crate::scene::description::{Alpha, Material, SceneDescription, Texture};
+use crate::scene::description::{
+    Alpha, Facets, Interior, Material, NormalMap, Pattern, Principled, Scalar, Scattering,
+    SceneDescription, Texture,
+};
 use indexmap::IndexMap;
+use std::f32::consts::TAU;
 
 /// Adds the materials `used` (by name, with their first place) to `scene`, in their order.
 ///
@@ -39,6 +43,33 @@ pub(super) fn add_materials(
     scene.images = pictures.images;
     tallies.warn(warnings);
     warn_undescribed(used, library, warnings);
+}
+
+/// The index of refraction, if the illumination model is one of glass.
+fn glass(mtl: &Mtl) -> Option<f32> {
+    let refracts = [4.0, 6.0, 7.0, 9.0].contains(&mtl.illumination?);
+    mtl.index.filter(|&index| refracts && index > 1.0)
+}
+
+/// Pr, or the roughness whose highlights are as wide as Phong's with the exponent Ns (Walter et al. 2007).
+fn roughness(mtl: &Mtl, default: f32) -> f32 {
+    let from_phong = |exponent: f32| (2.0 / (exponent.max(0.0) + 2.0)).sqrt().sqrt();
+    let default = if mtl.roughness_map.is_some() { 1.0 } else { default };
+    let written =
+        mtl.roughness.or(mtl.shininess.filter(|_| mtl.roughness_map.is_none()).map(from_phong));
+    written.unwrap_or(default).clamp(0.0, 1.0)
+}
+
+/// What has to multiply the 0.04 that index 1.5 reflects. Where the illumination model mirrors, Ks is what is mirrored;
+/// otherwise it is a matter of taste, and 0.5 means the usual gloss, as in Blender.
+fn specular_color(mtl: &Mtl, specular: Rgb) -> Rgb {
+    let mirrors = mtl.illumination.is_some_and(|model| [3.0, 5.0, 8.0].contains(&model));
+    let specular = specular.clamp(Rgb::ZERO, Rgb::ONE);
+    if mirrors { specular / 0.04 } else { specular / 0.5 }
+}
+
+fn fraction(value: Option<f32>, default: f32) -> f32 {
+    value.unwrap_or(default).clamp(0.0, 1.0)
 }
 
 /// One warning for all materials that no material file describes.
@@ -72,7 +103,6 @@ struct Tallies {
     invisible: Tally,
     opacity_map: Tally,
     glowing: Tally,
-    more_than_matte: Tally,
 }
 
 impl Maker<'_> {
@@ -88,13 +118,85 @@ impl Maker<'_> {
         let emission = emission.max(Rgb::ZERO);
         let map = mtl.emission_map.as_ref().filter(|_| emission != Rgb::ZERO);
         self.tallies.glowing.add_if(emission != Rgb::ZERO, || mtl.place.clone());
-        self.tallies.more_than_matte.add_if(mtl.more_than_matte, || mtl.place.clone());
-        Material {
+        let matte = Material {
             reflectance,
+            normal: mtl.normal_map.as_ref().and_then(|map| self.normal(map)),
             emission: self.texture(emission, 1.0, map),
             alpha: if opacity < 1.0 || cut_out { Alpha::Blend } else { Alpha::Opaque },
             ..Material::matte(name, Rgb::ZERO)
+        };
+        match glass(mtl) {
+            Some(index) => self.glass(matte, mtl, index),
+            None => self.gloss(matte, mtl),
         }
+    }
+
+    fn normal(&mut self, map: &Map) -> Option<NormalMap> {
+        let texture = self.texture(Rgb::ONE, 1.0, Some(map));
+        // A stand-in for a missing picture holds colours, not normals.
+        let found = matches!(texture.pattern, Pattern::Image { .. });
+        found.then_some(NormalMap { texture, scale: 1.0 })
+    }
+
+    /// A solid that refracts; its colour is Tf, and d says nothing that Tf does not say better.
+    fn glass(&mut self, matte: Material, mtl: &Mtl, ior: f32) -> Material {
+        let tint = mtl.filter.unwrap_or(Rgb::ONE).clamp(Rgb::ZERO, Rgb::ONE);
+        let principled = Principled {
+            metallic: Scalar::constant(0.0),
+            facets: Facets::of(Scalar::constant(roughness(mtl, 0.0))),
+            ior,
+            transmission: Scalar::constant(1.0),
+            ..Principled::default()
+        };
+        Material {
+            reflectance: Texture::constant(tint),
+            scattering: Scattering::Principled(Box::new(principled)),
+            interior: Some(Interior {
+                index: ior,
+                dispersion: 0.0,
+                absorption: Rgb::ZERO,
+                priority: 0,
+            }),
+            alpha: Alpha::Opaque,
+            ..matte
+        }
+    }
+
+    /// A matte ground under gloss, or metal, if the file knows of either.
+    fn gloss(&mut self, matte: Material, mtl: &Mtl) -> Material {
+        let physical = mtl.metallic.is_some() || mtl.roughness.is_some();
+        let mapped = mtl.metallic_map.is_some() || mtl.roughness_map.is_some();
+        let coated = mtl.clearcoat.is_some() || mtl.sheen.is_some() || mtl.anisotropy.is_some();
+        let phong = mtl.specular.filter(|specular| *specular != Rgb::ZERO);
+        if !(physical || mapped || coated || phong.is_some()) {
+            return matte;
+        }
+        let sheen = fraction(mtl.sheen, 0.0);
+        let specular = phong.map_or(Rgb::ONE, |specular| specular_color(mtl, specular));
+        let principled = Principled {
+            metallic: self.scalar(mtl.metallic, 0.0, mtl.metallic_map.as_ref()),
+            facets: Facets {
+                roughness: self.scalar(Some(roughness(mtl, 0.5)), 0.5, mtl.roughness_map.as_ref()),
+                anisotropy: Scalar::constant(fraction(mtl.anisotropy, 0.0)),
+                rotation: mtl.anisotropy_rotation.unwrap_or(0.0) * TAU,
+                direction: None,
+            },
+            specular_color: self.texture(specular, 1.0, mtl.specular_map.as_ref()),
+            clearcoat: Scalar::constant(fraction(mtl.clearcoat, 0.0)),
+            clearcoat_roughness: Scalar::constant(fraction(mtl.clearcoat_roughness, 0.0)),
+            sheen_color: Texture::constant(Rgb::splat(sheen)),
+            sheen_roughness: Scalar::constant(0.5),
+            ..Principled::default()
+        };
+        Material { scattering: Scattering::Principled(Box::new(principled)), ..matte }
+    }
+
+    /// A number, which multiplies its picture; with a picture alone, 1.
+    fn scalar(&mut self, value: Option<f32>, default: f32, map: Option<&Map>) -> Scalar {
+        let default = if map.is_some() { 1.0 } else { default };
+        let value = value.map_or(default, |value| value.clamp(0.0, 1.0));
+        let texture = self.texture(Rgb::splat(value), value, map.filter(|_| value != 0.0));
+        Scalar { texture, channel: 0 }
     }
 
     fn texture(&mut self, color: Rgb, alpha: f32, map: Option<&Map>) -> Texture {
@@ -156,9 +258,6 @@ impl Tallies {
         });
         self.glowing.warn(warnings, |count| {
             format!("{} with Ke: they light others only by the path integrator", materials(count))
-        });
-        self.more_than_matte.warn(warnings, |count| {
-            format!("{} with gloss, metal or refraction: shown matte", materials(count))
         });
     }
 }

@@ -39,8 +39,38 @@ pub(super) struct Mtl {
     pub(super) transparency: Option<f32>,
     /// map_d
     pub(super) opacity_map: Option<Map>,
-    /// Whether it is glossy, metallic or refracts.
-    pub(super) more_than_matte: bool,
+    /// Ks
+    pub(super) specular: Option<Rgb>,
+    /// Ns
+    pub(super) shininess: Option<f32>,
+    /// Ni
+    pub(super) index: Option<f32>,
+    /// Tf
+    pub(super) filter: Option<Rgb>,
+    /// illum
+    pub(super) illumination: Option<f32>,
+    /// map_Ks
+    pub(super) specular_map: Option<Map>,
+    /// Pr
+    pub(super) roughness: Option<f32>,
+    /// map_Pr
+    pub(super) roughness_map: Option<Map>,
+    /// Pm
+    pub(super) metallic: Option<f32>,
+    /// map_Pm
+    pub(super) metallic_map: Option<Map>,
+    /// Ps
+    pub(super) sheen: Option<f32>,
+    /// Pc
+    pub(super) clearcoat: Option<f32>,
+    /// Pcr
+    pub(super) clearcoat_roughness: Option<f32>,
+    /// aniso
+    pub(super) anisotropy: Option<f32>,
+    /// norm
+    pub(super) normal_map: Option<Map>,
+    /// anisor, turns
+    pub(super) anisotropy_rotation: Option<f32>,
 }
 
 /// A picture and how it lies on the surface.
@@ -147,13 +177,24 @@ impl Mtl {
             "map_kd" => self.diffuse_map = Some(Map::read(line, name)?),
             "map_ke" => self.emission_map = Some(Map::read(line, name)?),
             "map_d" => self.opacity_map = Some(Map::read(line, name)?),
-            "ks" => self.more_than_matte |= color(words)? != Rgb::ZERO,
-            "pm" | "pc" | "ps" => self.more_than_matte |= floats::<1>(&mut words)? != [0.0],
-            // The illumination models that reflect or refract sharply.
-            "illum" => self.more_than_matte |= floats::<1>(&mut words)?[0] >= 3.0,
-            "map_ks" | "map_pm" | "map_ps" | "refl" => self.more_than_matte = true,
-            "ka" | "ns" | "ni" | "tf" | "pr" | "pcr" | "aniso" | "anisor" | "sharpness" => {}
-            "map_ka" | "map_ns" | "map_pr" | "map_bump" | "bump" | "disp" | "decal" | "norm" => {}
+            "ks" => self.specular = Some(color(words)?),
+            "ns" => self.shininess = Some(number(words)?),
+            "ni" => self.index = Some(number(words)?),
+            "tf" => self.filter = Some(color(words)?),
+            "illum" => self.illumination = Some(number(words)?),
+            "map_ks" => self.specular_map = Some(Map::read(line, name)?),
+            "pr" => self.roughness = Some(number(words)?),
+            "map_pr" => self.roughness_map = Some(Map::read(line, name)?),
+            "pm" => self.metallic = Some(number(words)?),
+            "map_pm" => self.metallic_map = Some(Map::read(line, name)?),
+            "ps" => self.sheen = Some(number(words)?),
+            "pc" => self.clearcoat = Some(number(words)?),
+            "pcr" => self.clearcoat_roughness = Some(number(words)?),
+            "aniso" => self.anisotropy = Some(number(words)?),
+            "anisor" => self.anisotropy_rotation = Some(number(words)?),
+            "ka" | "map_ka" | "map_ns" | "map_ps" | "refl" | "sharpness" => {}
+            "norm" | "map_kn" => self.normal_map = Some(Map::read(line, name)?),
+            "map_bump" | "bump" | "disp" | "decal" => {}
             _ => return Ok(false),
         }
         Ok(true)
@@ -168,6 +209,12 @@ fn color<'a>(words: impl Iterator<Item = &'a [u8]>) -> Parsed<Rgb> {
         words => Rgb::from(floats(&mut words.iter().copied())?),
     };
     if color.is_finite() { Ok(color) } else { Err("not finite".into()) }
+}
+
+/// A finite number.
+fn number<'a>(mut words: impl Iterator<Item = &'a [u8]>) -> Parsed<f32> {
+    let [number] = floats(&mut words)?;
+    if number.is_finite() { Ok(number) } else { Err("not finite".into()) }
 }
 
 /// A fraction 0..1, perhaps after `-halo`.

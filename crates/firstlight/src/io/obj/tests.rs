@@ -1,6 +1,6 @@
 use super::*;
 use crate::color::Rgb;
-use crate::scene::description::{Alpha, Material, Pattern, Wrap};
+use crate::scene::description::{Alpha, Material, Pattern, Scattering, Wrap};
 use glam::Vec2;
 use std::path::Path;
 
@@ -197,7 +197,7 @@ fn colors_and_opacity() {
     assert_eq!(materials[2], Material::matte("old", Rgb::splat(0.5)));
     assert_eq!(materials[3].emission.factor, [3.0, 2.0, 1.0, 1.0]);
     assert_eq!(materials[4].reflectance.factor, [0.5, 0.5, 0.5, 1.0]);
-    assert_eq!(warnings.len(), 6, "{warnings:?}");
+    assert_eq!(warnings.len(), 5, "{warnings:?}");
     assert!(warnings[1].starts_with("my materials.mtl:14: 1 line without a readable value"));
 }
 
@@ -219,4 +219,28 @@ fn pictures_and_their_options() {
     assert!(matches!(materials[3].reflectance.pattern, Pattern::Checker { .. }));
     assert_eq!(warnings.len(), 3, "{warnings:?}");
     assert!(warnings[0].starts_with("my materials.mtl:11: cannot use the picture \"no such.png\""));
+}
+
+#[test]
+fn gloss_metal_and_glass_are_taken_over() {
+    let mtl = "newmtl phong\nKd 1 0 0\nKs 0.5 0.5 0.5\nNs 30\nillum 2\n\
+        newmtl mirror\nKd 0 0 0\nKs 0.8 0.8 0.8\nillum 3\n\
+        newmtl pbr\nPr 0.3\nPm 1\nPc 0.5\nPcr 0.1\nPs 0.2\naniso 0.4\nanisor 0.25\n\
+        newmtl glass\nTf 0.9 1 1\nNi 1.45\nillum 7\nd 0.1\nnewmtl plain\nKs 0 0 0\nillum 1\n";
+    let (materials, warnings) = materials(mtl, &["phong", "mirror", "pbr", "glass", "plain"]);
+    let principled = |i: usize| match &materials[i].scattering {
+        Scattering::Principled(principled) => principled,
+        other => panic!("{other:?}"),
+    };
+    let roughness = |i: usize| principled(i).facets.roughness.texture.factor[0];
+    assert_eq!(principled(0).specular_color.factor[0], 1.0);
+    assert!((roughness(0) - 0.5).abs() < 1e-6, "{}", roughness(0));
+    assert_eq!(principled(1).specular_color.factor[0], 20.0);
+    assert_eq!((roughness(2), principled(2).metallic.texture.factor[0]), (0.3, 1.0));
+    assert!((principled(2).facets.rotation - 0.5 * std::f32::consts::PI).abs() < 1e-6);
+    assert_eq!(materials[3].interior.map(|interior| interior.index), Some(1.45));
+    assert_eq!(materials[3].reflectance.factor, [0.9, 1.0, 1.0, 1.0]);
+    assert_eq!(materials[3].alpha, Alpha::Opaque);
+    assert!(materials[4].is_matte());
+    assert!(warnings.is_empty(), "{warnings:?}");
 }

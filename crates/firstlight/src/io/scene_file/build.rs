@@ -4,7 +4,8 @@ use super::document::{At, Document, Named, Span, in_order};
 use super::environment::{EnvironmentKeys, Surroundings};
 use super::light::{Lighting, SurfaceLightKeys};
 use super::luminaire::Luminaires;
-use super::material::{MaterialKeys, Pictures};
+use super::material::MaterialKeys;
+use super::pictures::Pictures;
 use super::surface::{NewShape, SurfaceKeys};
 use super::{InstanceKeys, ModelKeys, SceneKeys, transform};
 use crate::color::Rgb;
@@ -35,8 +36,8 @@ pub(super) struct Builder<'a> {
     materials: HashMap<String, usize>,
     /// The grey of surfaces without a material, once one is needed.
     default_material: Option<usize>,
-    /// Model files that were read.
-    models: HashMap<PathBuf, (Part, Format)>,
+    /// Model files that were read, by file and variant.
+    models: HashMap<(PathBuf, Option<String>), (Part, Format)>,
     /// Which surfaces each surface or model became, for instances.
     placed: IndexMap<String, Range<usize>>,
 }
@@ -122,9 +123,21 @@ impl Builder<'_> {
         let (document, access) = (self.document, self.access);
         let mut pictures =
             Pictures { document, access, images: Vec::new(), by_file: HashMap::new() };
-        for (name, material) in in_order(materials) {
-            self.scene.materials.push(material.value.describe(&name, &mut pictures)?);
-            self.materials.insert(name, self.scene.materials.len() - 1);
+        // Mixes wait for what they mix.
+        let mut waiting: Vec<_> = in_order(materials).collect();
+        for _ in 0..=SceneDescription::MOST_MIXING {
+            for (name, material) in std::mem::take(&mut waiting) {
+                let known = |part: &String| self.materials.contains_key(part);
+                let parts = material.value.parts();
+                if parts.is_none_or(|parts| parts.value.0.iter().all(known)) {
+                    self.describe_material(name, material, &mut pictures, warnings)?;
+                } else {
+                    waiting.push((name, material));
+                }
+            }
+        }
+        if let Some(error) = self.unmixed(&waiting) {
+            return Err(error);
         }
         if let Some(At { value, .. }) = environment {
             let (lighting, up) = (&self.lighting(), self.up);
@@ -135,6 +148,44 @@ impl Builder<'_> {
         }
         self.scene.images = pictures.images;
         Ok(())
+    }
+
+    fn describe_material(
+        &mut self,
+        name: String,
+        At { span, value: keys }: At<MaterialKeys>,
+        pictures: &mut Pictures<'_>,
+        warnings: &mut Warnings,
+    ) -> Result<()> {
+        let parts =
+            keys.parts().map(|parts| parts.value.0.each_ref().map(|part| self.materials[part]));
+        let inside = |place: &usize| self.scene.materials[*place].interior;
+        let interior = parts.iter().flatten().find_map(inside);
+        let material = keys.describe(&name, (parts.unwrap_or_default(), interior), pictures)?;
+        if self.scene.integrator == Integrator::Direct && material.shows_its_surroundings() {
+            let message = "shows little of its surroundings by the integrator \"direct\", which asks lights alone";
+            let warning = self.document.error(&span, message);
+            warnings.push(warning.help("write integrator = \"path\""));
+        }
+        self.scene.materials.push(material);
+        self.materials.insert(name, self.scene.materials.len() - 1);
+        Ok(())
+    }
+
+    /// The complaint about the first of the mixes that cannot be made.
+    fn unmixed(&self, waiting: &[(String, At<MaterialKeys>)]) -> Option<Box<Diagnostic>> {
+        let mix = waiting.first()?.1.value.parts()?;
+        let waits = |name: &String| waiting.iter().any(|(waiting, _)| waiting == name);
+        let unknown =
+            mix.value.0.iter().find(|&part| !self.materials.contains_key(part) && !waits(part));
+        let message = match unknown {
+            Some(name) => {
+                let hint = did_you_mean(name, self.materials.keys().map(String::as_str));
+                format!("names the unknown material {}{hint}", quoted(name))
+            }
+            None => "mixes itself, or mixes of more than 4 levels".to_owned(),
+        };
+        Some(self.document.error(&mix.span, message))
     }
 
     fn add_surface(
@@ -177,7 +228,7 @@ impl Builder<'_> {
         if self.placed.contains_key(&name) {
             return Err(self.document.error(&span, "has the name of a surface; choose another"));
         }
-        let file = self.load(&keys.file, warnings)?;
+        let file = self.load(&keys.file, keys.variant.as_ref(), warnings)?;
         let Some((part, format)) = self.models.get(&file) else { return Ok(()) };
         self.check_visible(part, &keys.file.span, warnings)?;
         let own = transform::compose(keys.transform.as_ref(), self.document)?;
@@ -192,19 +243,25 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// Reads a model file unless it was read before; returns the key to `models`.
-    fn load(&mut self, file: &At<String>, warnings: &mut Warnings) -> Result<PathBuf> {
+    /// Reads a variant of a model file unless it was read before; returns the key to `models`.
+    fn load(
+        &mut self,
+        file: &At<String>,
+        variant: Option<&At<String>>,
+        warnings: &mut Warnings,
+    ) -> Result<(PathBuf, Option<String>)> {
         let At { span, value: name } = file;
         let path = self.document.open(span, self.access.resolve(name))?;
         let real = path.canonicalize().unwrap_or_else(|_| path.clone());
-        if !self.models.contains_key(&real) {
+        let key = (real, variant.map(|variant| variant.value.clone()));
+        if !self.models.contains_key(&key) {
             let access = self.access.within(&path);
-            let read = model::read_with_format(&path, &access, warnings);
+            let read = model::read_with_format(&path, key.1.as_deref(), &access, warnings);
             let (model, format) = self.placed_where_named(span, read)?;
             let part = self.scene.adopt(model);
-            self.models.insert(real.clone(), (part, format));
+            self.models.insert(key.clone(), (part, format));
         }
-        Ok(real)
+        Ok(key)
     }
 
     /// What was read, or the complaint about it: where the file is named, if it is about the whole file.

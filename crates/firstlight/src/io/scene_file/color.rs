@@ -1,6 +1,7 @@
 //! Colours and textures as they are written.
 
 use super::document::At;
+use super::film::Fraction;
 use crate::color::{self, Rgb};
 use crate::scene::description::{Sampling, Wrap};
 use crate::units::written::{
@@ -105,6 +106,12 @@ impl From<Reflectance> for [f32; 4] {
     }
 }
 
+impl From<Fraction> for [f32; 4] {
+    fn from(Fraction(number): Fraction) -> Self {
+        [number as f32; 4]
+    }
+}
+
 /// A colour, a picture or a checker board.
 #[derive(Debug)]
 pub(super) enum TextureKeys<C> {
@@ -141,6 +148,22 @@ pub(super) struct ImageKeys {
     pub(super) offset: Option<Pair>,
     /// Anticlockwise turn of the texture coordinates, after the scale. Default 0.
     pub(super) rotate: Option<Angle>,
+    /// For numbers: where in the picture they are. Default "r".
+    pub(super) channel: Option<At<Channel>>,
+}
+
+/// One of the four numbers of a pixel.
+#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Channel {
+    /// Red.
+    R,
+    /// Green.
+    G,
+    /// Blue.
+    B,
+    /// Alpha.
+    A,
 }
 
 /// A checker board.

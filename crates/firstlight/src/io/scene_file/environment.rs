@@ -3,7 +3,7 @@
 use super::color::{Color, Reflectance};
 use super::document::{At, Document, Span};
 use super::light::{Amount, Irradiance, Lighting, Radiance, angular_radius};
-use super::material::Pictures;
+use super::pictures::Pictures;
 use super::sun::SunPlaceKeys;
 use crate::color::Rgb;
 use crate::diagnostic::Result;

@@ -1,5 +1,6 @@
 //! `[film]`: resolution, samples, filter, exposure.
 
+use crate::color::View;
 use crate::scene::description::{Exposure, FilmDescription, Filter};
 use crate::suggest::quoted;
 use crate::units::written::{Checked, Number, Written, list, schema, written};
@@ -28,6 +29,8 @@ pub(super) struct FilmKeys {
     filter: FilterKeys,
     /// Stops: display = radiance × 2^exposure; 0 makes radiance 1 white. Or "auto". Default 0.
     exposure: ExposureKeys,
+    /// How bright light is brought into what screens show. Default "srgb": as it is, cut off at white.
+    view: ViewKeys,
     /// Whether the background becomes transparent. Default false.
     transparent: bool,
     /// Seed of every random number, 0 to 2^63 - 1. Default 0.
@@ -42,6 +45,7 @@ impl Default for FilmKeys {
             samples: Whole(film.samples),
             filter: FilterKeys(film.filter),
             exposure: ExposureKeys(film.exposure),
+            view: ViewKeys(film.view),
             transparent: film.transparent,
             seed: film.seed,
         }
@@ -57,6 +61,7 @@ impl FilmKeys {
             samples: self.samples.0,
             filter: self.filter.0,
             exposure: self.exposure.0,
+            view: self.view.0,
             transparent: self.transparent,
             seed: self.seed,
         }
@@ -126,7 +131,23 @@ impl Written for ExposureKeys {
     }
 }
 
+#[derive(Debug)]
+struct ViewKeys(View);
+
+impl Written for ViewKeys {
+    const EXPECTED: &'static str = "one of srgb, neutral, agx, aces, filmic and raw";
+    fn from_number(number: f64) -> Checked<Self> {
+        Err(format!("needs {}, not {number}", Self::EXPECTED))
+    }
+    fn from_text(text: &str) -> Checked<Self> {
+        let known = View::NAMES.iter().find(|(name, _)| *name == text);
+        let wrong = || format!("needs {}, not {}", Self::EXPECTED, quoted(text));
+        known.map(|(_, view)| Self(*view)).ok_or_else(wrong)
+    }
+}
+
 written! {
+    ViewKeys: { "enum": View::NAMES.iter().map(|(name, _)| *name).collect::<Vec<_>>() }
     ExposureKeys: { "anyOf": [{ "type": "number", "minimum": -100, "maximum": 100 }, { "const": "auto" }] }
 }
 

@@ -1,167 +1,391 @@
-//! `[materials.name.lambert]` and the pictures that materials use.
+//! `[materials.name.kind]`.
 
-use super::color::{CheckerKeys, Color, ImageKeys, OneOrTwo, Reflectance, TextureKeys};
-use super::document::{At, Document};
+use super::color::{Color, Reflectance, TextureKeys};
+use super::document::At;
 use super::film::Fraction;
+use super::pictures::Pictures;
+use super::substance::{Abbe, Index, Metal};
 use crate::color::Rgb;
 use crate::diagnostic::Result;
-use crate::io::{FileAccess, pixels};
-use crate::scene::description::{Alpha, Material, Pattern, Pixels, Texture};
-use crate::units::written::{Angle, Number, Pair, Size};
-use glam::{Affine2, Vec2};
+use crate::scene::description::{
+    Alpha, ComplexIndex, Facets, Interior, Material, NormalMap, Principled, Scalar, Scattering,
+    Texture,
+};
+use crate::units::written::{Angle, Number, Size};
 use schemars::JsonSchema;
 use serde::Deserialize;
-use std::collections::HashMap;
-use std::path::PathBuf;
-use std::sync::Arc;
 
 /// A material of one kind.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum MaterialKeys {
     /// Matte: reflects the same to every side.
+    #[serde(alias = "diffuse")]
     Lambert(Box<LambertKeys>),
     /// A perfect mirror.
-    Mirror(MirrorKeys),
+    Mirror(Box<MirrorKeys>),
+    /// A metal, polished or rough.
+    Conductor(Box<ConductorKeys>),
+    /// Glass, water and the like: a closed surface is a solid.
+    Dielectric(Box<DielectricKeys>),
+    /// A pane of glass without thickness, as of windows: a surface that need not be closed.
+    ThinGlass(Box<ThinGlassKeys>),
+    /// glTF's metallic-roughness material with its extensions.
+    Principled(Box<PrincipledKeys>),
+    /// Two other materials at once.
+    Mix(Box<MixKeys>),
 }
 
+/// A struct with the keys that all materials have.
+macro_rules! material_keys {
+    ($(#[$doc:meta])* $name:ident { $($(#[$key_doc:meta])* $key:ident: $type:ty,)* }) => {
+        $(#[$doc])*
+        #[derive(Debug, Deserialize, JsonSchema)]
+        #[serde(deny_unknown_fields)]
+        pub(super) struct $name {
+            $($(#[$key_doc])* $key: $type,)*
+            /// Radiance added to what leaves the surface (1 is white). Default 0.
+            emission: Option<TextureKeys<Color>>,
+            /// The fraction of light that the surface stops at all, 0 to 1, times the alpha of its colour's picture.
+            /// Default: it is solid.
+            opacity: Option<Fraction>,
+            /// Alpha of its colour below which the surface is not there, 0 to 1. Default: it is always there.
+            alpha_cutoff: Option<Fraction>,
+            /// Whether the back can be seen. Default true.
+            double_sided: Option<bool>,
+            /// A picture of normals that bend those of the surface: red along u, green along v, blue out of it.
+            normal_map: Option<TextureKeys<Reflectance>>,
+            /// How much they bend. Default 1.
+            normal_scale: Option<Number>,
+        }
+
+        impl $name {
+            /// The material of these keys; `color` is its reflectance.
+            fn finish(
+                self,
+                name: &str,
+                color: Texture,
+                scattering: Scattering,
+                pictures: &mut Pictures<'_>,
+            ) -> Result<Material> {
+                let mut reflectance = color;
+                let alpha = match (self.opacity, self.alpha_cutoff) {
+                    (_, Some(Fraction(cutoff))) => Alpha::Mask { cutoff: cutoff as f32 },
+                    (Some(Fraction(opacity)), None) => {
+                        reflectance.factor[3] *= opacity as f32;
+                        Alpha::Blend
+                    }
+                    (None, None) => Alpha::Opaque,
+                };
+                let scale = self.normal_scale.map_or(1.0, |Number(scale)| scale as f32);
+                let normal_map = self.normal_map.map(|keys| pictures.texture(Some(keys), Rgb::ONE));
+                Ok(Material {
+                    reflectance,
+                    scattering,
+                    normal: normal_map.transpose()?.map(|texture| NormalMap { texture, scale }),
+                    emission: pictures.texture(self.emission, Rgb::ZERO)?,
+                    alpha,
+                    double_sided: self.double_sided.unwrap_or(true),
+                    ..Material::matte(name, Rgb::ZERO)
+                })
+            }
+        }
+    };
+}
+
+material_keys! {
 /// A matte material.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct LambertKeys {
+LambertKeys {
     /// The fraction of light reflected, 0 to 1. Default 0.5.
     reflectance: Option<TextureKeys<Reflectance>>,
+    /// How rough the ground is, 0 to 1: rough ones look flatter, as the moon does. Default 0.
+    roughness: Option<TextureKeys<Fraction>>,
     /// The fraction of ambient light reflected, 0 to 1. Default: `reflectance`.
     ambient_reflectance: Option<TextureKeys<Reflectance>>,
     /// The fraction of light mirrored, 0 to 1; with `reflectance` at most 1. Default 0.
     mirror: Option<At<TextureKeys<Reflectance>>>,
-    /// Radiance added to what leaves the surface (1 is white). Default 0.
-    emission: Option<TextureKeys<Color>>,
-    /// Alpha of `reflectance` below which the surface is not there, 0 to 1. Default: it is always there.
-    alpha_cutoff: Option<Fraction>,
-    /// Whether the back can be seen. Default true.
-    double_sided: Option<bool>,
+}
 }
 
+material_keys! {
 /// A perfect mirror.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct MirrorKeys {
+MirrorKeys {
     /// The fraction of light mirrored, 0 to 1. Default 1.
     reflectance: Option<TextureKeys<Reflectance>>,
-    /// Whether the back can be seen. Default true.
-    double_sided: Option<bool>,
+}
 }
 
-/// Decoded pictures, each file once.
-pub(super) struct Pictures<'a> {
-    pub(super) document: &'a Document<'a>,
-    pub(super) access: &'a FileAccess,
-    pub(super) images: Vec<Arc<Pixels>>,
-    pub(super) by_file: HashMap<PathBuf, usize>,
+material_keys! {
+/// A metal: `metal`, `n` and `k`, or `color`.
+ConductorKeys {
+    /// Its name, such as "gold". Default "aluminium", unless `n` and `k` or `color` are given.
+    metal: Option<Metal>,
+    /// Real part of its index of refraction, per channel.
+    n: Option<At<Color>>,
+    /// Imaginary part of its index of refraction, per channel.
+    k: Option<Color>,
+    /// What it reflects of light that comes straight down, 0 to 1. Beside `metal` or `n` and `k`: what they are
+    /// multiplied by.
+    color: Option<TextureKeys<Reflectance>>,
+    /// 0 (polished) to 1. Default 0.
+    roughness: Option<TextureKeys<Fraction>>,
+    /// How much rougher it is along than across, 0 to 1, as brushed metal. Default 0.
+    anisotropy: Option<TextureKeys<Fraction>>,
+    /// Direction of `anisotropy`, anticlockwise from that of growing u. Default 0.
+    anisotropy_rotation: Option<Angle>,
+}
+}
+
+material_keys! {
+/// A transparent solid.
+DielectricKeys {
+    /// Index of refraction, 1 to 10, or a name such as "water". Default "glass", 1.5168.
+    index: Option<Index>,
+    /// Abbe number: how little the index depends on the colour; 64 for window glass, 25 for dense flint. Default: not
+    /// at all.
+    abbe: Option<Abbe>,
+    /// 0 (polished) to 1 (frosted). Default 0.
+    roughness: Option<TextureKeys<Fraction>>,
+    /// Colour that its surface gives to what passes. Default white.
+    color: Option<TextureKeys<Reflectance>>,
+    /// Colour that light has after `attenuation_distance` inside. Default white.
+    attenuation_color: Option<Color>,
+    /// How far light goes until it has `attenuation_color`. Default 1 m.
+    attenuation_distance: Option<Size>,
+    /// Where solids overlap, the highest counts, such as glass over the liquid in it. Default 0.
+    priority: Option<i32>,
+}
+}
+
+material_keys! {
+/// A pane of glass.
+ThinGlassKeys {
+    /// Index of refraction, 1 to 10, or a name such as "acrylic". Default "glass", 1.5168.
+    index: Option<Index>,
+    /// Colour of what passes. Default white.
+    color: Option<TextureKeys<Reflectance>>,
+}
+}
+
+material_keys! {
+/// The parameters of glTF 2.0 and KHR_materials_*, each 0 to 1 unless it says otherwise.
+PrincipledKeys {
+    /// What its matte ground reflects; of metal, what is mirrored straight on. Default 0.5.
+    base_color: Option<TextureKeys<Reflectance>>,
+    /// Whether it is metal. Default 0.
+    metallic: Option<TextureKeys<Fraction>>,
+    /// 0 (polished) to 1. Default 0.5.
+    roughness: Option<TextureKeys<Fraction>>,
+    /// How much rougher it is along than across. Default 0.
+    anisotropy: Option<TextureKeys<Fraction>>,
+    /// Direction of `anisotropy`, anticlockwise from that of growing u. Default 0.
+    anisotropy_rotation: Option<Angle>,
+    /// Index of refraction, 1 to 10, or a name. Default 1.5.
+    ior: Option<Index>,
+    /// Strength of the gloss of what is not metal. Default 1.
+    specular: Option<TextureKeys<Fraction>>,
+    /// Colour of the gloss of what is not metal, straight on; may be more than 1. Default white.
+    specular_color: Option<TextureKeys<Color>>,
+    /// The part that is clear instead of matte. Default 0.
+    transmission: Option<TextureKeys<Fraction>>,
+    /// Whether the surface is that of a solid instead of a thin sheet. Default false, unless one of the next four is
+    /// given.
+    solid: Option<bool>,
+    /// Colour that light has after `attenuation_distance` inside. Default white.
+    attenuation_color: Option<Color>,
+    /// How far light goes until it has `attenuation_color`. Default 1 m.
+    attenuation_distance: Option<Size>,
+    /// Abbe number: how little the index depends on the colour. Default: not at all.
+    abbe: Option<Abbe>,
+    /// Where solids overlap, the highest counts. Default 0.
+    priority: Option<i32>,
+    /// The part of matte light that leaves on the other side, as of leaves and paper. Default 0.
+    diffuse_transmission: Option<TextureKeys<Fraction>>,
+    /// Its colour. Default white.
+    diffuse_transmission_color: Option<TextureKeys<Reflectance>>,
+    /// How much is covered by varnish. Default 0.
+    clearcoat: Option<TextureKeys<Fraction>>,
+    /// Roughness of the varnish. Default 0.
+    clearcoat_roughness: Option<TextureKeys<Fraction>>,
+    /// Colour of the rim of cloth. Default 0.
+    sheen_color: Option<TextureKeys<Reflectance>>,
+    /// Roughness of the rim of cloth. Default 0.3.
+    sheen_roughness: Option<TextureKeys<Fraction>>,
+    /// How much is covered by a thin film, as of soap. Default 0.
+    iridescence: Option<TextureKeys<Fraction>>,
+    /// Index of refraction of the film. Default 1.3.
+    iridescence_ior: Option<Index>,
+    /// Thickness of the film. Default "400 nm".
+    iridescence_thickness: Option<Size>,
+}
+}
+
+material_keys! {
+/// Two materials at once.
+MixKeys {
+    /// Names of the two.
+    materials: At<super::color::Two<String>>,
+    /// The part of the second, 0 to 1. Default 0.5.
+    amount: Option<TextureKeys<Fraction>>,
+}
+}
+
+/// Takes optional keys that describe a solid.
+macro_rules! interior {
+    ($keys:expr, $index:expr) => {
+        interior(
+            $index,
+            $keys.abbe.take(),
+            $keys.attenuation_color.take(),
+            $keys.attenuation_distance.take(),
+            $keys.priority.take(),
+        )
+    };
 }
 
 impl MaterialKeys {
-    /// The material as plain data; its pictures are added to `pictures`.
-    pub(super) fn describe(self, name: &str, pictures: &mut Pictures<'_>) -> Result<Material> {
-        let matte = Material::matte(name, Rgb::splat(0.5));
-        let keys = match self {
-            Self::Lambert(keys) => keys,
-            Self::Mirror(keys) => {
-                let mirrored = pictures.texture(keys.reflectance)?;
-                return Ok(Material {
-                    reflectance: Texture::constant(Rgb::ZERO),
-                    mirrored: mirrored.unwrap_or(Texture::constant(Rgb::ONE)),
-                    double_sided: keys.double_sided.unwrap_or(true),
-                    ..matte
-                });
+    /// The names of materials that have to be described before this one.
+    pub(super) fn parts(&self) -> Option<&At<super::color::Two<String>>> {
+        if let Self::Mix(keys) = self { Some(&keys.materials) } else { None }
+    }
+
+    /// The material as plain data; its pictures are added to `pictures`. `parts`: places of the materials that it
+    /// mixes, and what is inside of one of them.
+    pub(super) fn describe(
+        self,
+        name: &str,
+        parts: ([usize; 2], Option<Interior>),
+        pictures: &mut Pictures<'_>,
+    ) -> Result<Material> {
+        match self {
+            Self::Lambert(keys) => keys.describe(name, pictures),
+            Self::Mirror(mut keys) => {
+                let mirrored = pictures.texture(keys.reflectance.take(), Rgb::ONE)?;
+                let black = Texture::constant(Rgb::ZERO);
+                keys.finish(name, black, Scattering::Mirror { mirrored }, pictures)
             }
+            Self::Conductor(keys) => keys.describe(name, pictures),
+            Self::Dielectric(mut keys) => {
+                let color = pictures.texture(keys.color.take(), Rgb::ONE)?;
+                let facets = Facets::of(pictures.scalar(keys.roughness.take(), 0.0)?);
+                let index = keys.index.take().unwrap_or(Index::GLASS);
+                let interior = Some(interior!(keys, index));
+                let glass = Scattering::Dielectric { facets };
+                Ok(Material { interior, ..keys.finish(name, color, glass, pictures)? })
+            }
+            Self::ThinGlass(mut keys) => {
+                let color = pictures.texture(keys.color.take(), Rgb::ONE)?;
+                let Index(index) = keys.index.take().unwrap_or(Index::GLASS);
+                keys.finish(name, color, Scattering::ThinGlass { index }, pictures)
+            }
+            Self::Principled(keys) => keys.describe(name, pictures),
+            Self::Mix(mut keys) => {
+                let ((materials, interior), white) = (parts, Texture::constant(Rgb::ONE));
+                let amount = pictures.scalar(keys.amount.take(), 0.5)?;
+                let mix = Scattering::Mix { materials, amount };
+                Ok(Material { interior, ..keys.finish(name, white, mix, pictures)? })
+            }
+        }
+    }
+}
+
+impl LambertKeys {
+    fn describe(mut self, name: &str, pictures: &mut Pictures<'_>) -> Result<Material> {
+        let reflectance = pictures.texture(self.reflectance.take(), Rgb::splat(0.5))?;
+        let roughness = pictures.scalar(self.roughness.take(), 0.0)?;
+        let ambient = self.ambient_reflectance.take();
+        let ambient_reflectance =
+            ambient.map(|keys| pictures.texture(Some(keys), Rgb::ZERO)).transpose()?;
+        let scattering = match self.mirror.take() {
+            Some(keys) => Scattering::Mirror { mirrored: pictures.mirror(keys, &reflectance)? },
+            None => Scattering::Matte { roughness },
         };
-        let reflectance = pictures.texture(keys.reflectance)?;
-        let reflectance = reflectance.unwrap_or(matte.reflectance.clone());
-        Ok(Material {
-            mirrored: match keys.mirror {
-                Some(mirror) => pictures.mirror(mirror, &reflectance)?,
-                None => matte.mirrored.clone(),
+        let material = self.finish(name, reflectance, scattering, pictures)?;
+        Ok(Material { ambient_reflectance, ..material })
+    }
+}
+
+impl ConductorKeys {
+    fn describe(mut self, name: &str, pictures: &mut Pictures<'_>) -> Result<Material> {
+        let index = match (self.metal.take(), self.n.take(), self.k.take()) {
+            (None, Some(At { value: Color(n), .. }), Some(Color(k))) => Some(ComplexIndex { n, k }),
+            (Some(Metal(index)), None, None) => Some(index),
+            (None, None, None) if self.color.is_some() => None,
+            (None, None, None) => Some(Metal::ALUMINIUM),
+            (_, Some(At { span, .. }), _) => {
+                let message = "needs k beside it, and no metal";
+                return Err(pictures.document.error(&span, message));
+            }
+            (metal, None, _) => metal.map(|Metal(index)| index),
+        };
+        let color = pictures.texture(self.color.take(), Rgb::ONE)?;
+        let facets = Facets {
+            anisotropy: pictures.scalar(self.anisotropy.take(), 0.0)?,
+            rotation: self.anisotropy_rotation.take().map_or(0.0, |Angle(angle)| angle as f32),
+            ..Facets::of(pictures.scalar(self.roughness.take(), 0.0)?)
+        };
+        self.finish(name, color, Scattering::Conductor { index, facets }, pictures)
+    }
+}
+
+impl PrincipledKeys {
+    fn describe(mut self, name: &str, pictures: &mut Pictures<'_>) -> Result<Material> {
+        let base_color = pictures.texture(self.base_color.take(), Rgb::splat(0.5))?;
+        let ior = self.ior.take().unwrap_or(Index(1.5));
+        let filled = self.attenuation_color.is_some() || self.attenuation_distance.is_some();
+        let filled = filled || self.abbe.is_some() || self.priority.is_some();
+        let solid = self.solid.unwrap_or(filled);
+        let interior = interior!(self, ior);
+        let scattering = Scattering::Principled(Box::new(self.parameters(ior, pictures)?));
+        let material = self.finish(name, base_color, scattering, pictures)?;
+        Ok(Material { interior: solid.then_some(interior), ..material })
+    }
+
+    fn parameters(&mut self, Index(ior): Index, pictures: &mut Pictures<'_>) -> Result<Principled> {
+        let mut number = |keys: &mut Option<TextureKeys<Fraction>>,
+                          default: f32|
+         -> Result<Scalar> { pictures.scalar(keys.take(), default) };
+        let Size(thickness) = self.iridescence_thickness.take().unwrap_or(Size(400e-9));
+        let Index(iridescence_ior) = self.iridescence_ior.take().unwrap_or(Index(1.3));
+        Ok(Principled {
+            metallic: number(&mut self.metallic, 0.0)?,
+            facets: Facets {
+                anisotropy: number(&mut self.anisotropy, 0.0)?,
+                rotation: self.anisotropy_rotation.take().map_or(0.0, |Angle(angle)| angle as f32),
+                ..Facets::of(number(&mut self.roughness, 0.5)?)
             },
-            reflectance,
-            ambient_reflectance: pictures.texture(keys.ambient_reflectance)?,
-            emission: pictures.texture(keys.emission)?.unwrap_or(matte.emission.clone()),
-            alpha: match keys.alpha_cutoff {
-                Some(Fraction(cutoff)) => Alpha::Mask { cutoff: cutoff as f32 },
-                None => Alpha::Opaque,
-            },
-            double_sided: keys.double_sided.unwrap_or(true),
-            ..matte
+            ior,
+            specular: number(&mut self.specular, 1.0)?,
+            transmission: number(&mut self.transmission, 0.0)?,
+            diffuse_transmission: number(&mut self.diffuse_transmission, 0.0)?,
+            clearcoat: number(&mut self.clearcoat, 0.0)?,
+            clearcoat_roughness: number(&mut self.clearcoat_roughness, 0.0)?,
+            sheen_roughness: number(&mut self.sheen_roughness, 0.3)?,
+            iridescence: number(&mut self.iridescence, 0.0)?,
+            iridescence_ior,
+            iridescence_thickness: Scalar::constant(1.0),
+            iridescence_thickness_range: [(1e9 * thickness) as f32; 2],
+            specular_color: pictures.texture(self.specular_color.take(), Rgb::ONE)?,
+            sheen_color: pictures.texture(self.sheen_color.take(), Rgb::ZERO)?,
+            diffuse_transmission_color: pictures
+                .texture(self.diffuse_transmission_color.take(), Rgb::ONE)?,
         })
     }
 }
 
-impl Pictures<'_> {
-    fn texture<C: Into<[f32; 4]>>(
-        &mut self,
-        keys: Option<TextureKeys<C>>,
-    ) -> Result<Option<Texture>> {
-        let Some(keys) = keys else { return Ok(None) };
-        let (factor, pattern) = match keys {
-            TextureKeys::Constant(color) => (color.into(), Pattern::Constant),
-            TextureKeys::Image(keys) => ([1.0; 4], self.image_pattern(keys)?),
-            TextureKeys::Checker(keys) => ([1.0; 4], checker(keys)),
-        };
-        Ok(Some(Texture { factor, pattern, vertex_colors: false }))
+fn interior(
+    Index(index): Index,
+    abbe: Option<Abbe>,
+    color: Option<Color>,
+    distance: Option<Size>,
+    priority: Option<i32>,
+) -> Interior {
+    let (Color(color), Size(distance)) =
+        (color.unwrap_or(Color(Rgb::ONE)), distance.unwrap_or(Size(1.0)));
+    Interior {
+        index,
+        dispersion: abbe.map_or(0.0, |Abbe(abbe)| 1.0 / abbe),
+        absorption: Interior::absorption(color, distance as f32),
+        priority: priority.unwrap_or(0),
     }
-
-    /// The mirror over a matte ground, which together may not reflect more than all.
-    fn mirror(&mut self, keys: At<TextureKeys<Reflectance>>, ground: &Texture) -> Result<Texture> {
-        let At { span, value } = keys;
-        let mirror = self.texture(Some(value))?.unwrap_or(Texture::constant(Rgb::ZERO));
-        let all = Rgb::from_slice(&mirror.factor) + Rgb::from_slice(&ground.factor);
-        if mirror.is_constant() && ground.is_constant() && all.max_element() > 1.0 + 1e-6 {
-            let message = "reflects more than all, together with the reflectance";
-            return Err(self.document.error(&span, message));
-        }
-        Ok(mirror)
-    }
-
-    fn image_pattern(&mut self, keys: ImageKeys) -> Result<Pattern> {
-        let image = self.open(&keys.file)?;
-        let OneOrTwo([u, v]) = keys.scale.unwrap_or(OneOrTwo([Number(1.0); 2]));
-        let offset = keys.offset.map_or(Vec2::ZERO, |Pair(offset)| offset.as_vec2());
-        let Angle(angle) = keys.rotate.unwrap_or(Angle(0.0));
-        let scale = Vec2::new(u.0 as f32, v.0 as f32);
-        let transform = Affine2::from_scale_angle_translation(scale, angle as f32, offset);
-        if !transform.is_finite() {
-            let message = "is placed by numbers that are too large";
-            return Err(self.document.error(&keys.file.span, message));
-        }
-        Ok(Pattern::Image {
-            image,
-            uv_set: 0,
-            transform,
-            wrap: keys.wrap.0,
-            sampling: keys.sampling,
-        })
-    }
-
-    /// The index of the picture in `images`.
-    pub(super) fn open(&mut self, file: &At<String>) -> Result<usize> {
-        let (name, span) = (&file.value, &file.span);
-        let path = self.document.open(span, self.access.resolve(name))?;
-        // One picture under two names is decoded once.
-        let real = path.canonicalize().unwrap_or(path);
-        if let Some(&image) = self.by_file.get(&real) {
-            return Ok(image);
-        }
-        let bytes = self.document.open(span, self.access.read(name))?;
-        let pixels = self.document.open(span, pixels::decode(&bytes, name, &self.access.limits))?;
-        self.images.push(Arc::new(pixels));
-        self.by_file.insert(real, self.images.len() - 1);
-        Ok(self.images.len() - 1)
-    }
-}
-
-fn checker<C: Into<[f32; 4]>>(keys: CheckerKeys<C>) -> Pattern {
-    let OneOrTwo([u, v]) = keys.size.unwrap_or(OneOrTwo([Size(1.0); 2]));
-    let size = Vec2::new(u.0 as f32, v.0 as f32);
-    Pattern::Checker { colors: keys.colors.0.map(Into::into), size }
 }

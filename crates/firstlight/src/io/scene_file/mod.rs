@@ -15,6 +15,8 @@ mod light;
 mod luminaire;
 mod material;
 mod overrides;
+mod pictures;
+mod substance;
 mod sun;
 mod surface;
 #[cfg(test)]
@@ -185,6 +187,8 @@ struct ModelKeys {
     file: At<String>,
     /// Name of a material that replaces its own.
     material: Option<At<String>>,
+    /// Which of its looks is shown, if it is a glTF file with variants.
+    variant: Option<At<String>>,
     /// Length of 1 in the file. Default 1 m.
     unit: Option<FileUnit>,
     /// Which axis of the file points up. Default: y for glTF, OBJ and PLY, z for STL.

@@ -1,8 +1,8 @@
 use super::*;
 use crate::color::luminance;
 use crate::scene::description::{
-    Alpha, CameraLightAmount, Exposure, Filter, Integrator, Light, LightDescription, Pattern,
-    Projection, Sampling, Shape, Sky, Wrap,
+    Alpha, CameraLightAmount, ComplexIndex, Exposure, Filter, Integrator, Light, LightDescription,
+    Pattern, Projection, Sampling, Scalar, Scattering, Shape, Sky, Wrap,
 };
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -471,6 +471,19 @@ fn what_is_out_of_range_is_refused() {
         "surfaces.a = { disk = {}, light = { power = 1, radiance = 1 } }",
         "surfaces.a = { plane = {}, light = { power = 1 } }",
         "materials.a.lambert = { reflectance = 0.6, mirror = 0.5 }",
+        "materials.a.conductor.metal = 'gild'",
+        "materials.a.conductor = { n = 1 }",
+        "materials.a.conductor = { n = 1, k = 1, metal = 'gold' }",
+        "materials.a.dielectric.index = 0.9",
+        "materials.a.dielectric.index = 'wather'",
+        "materials.a.dielectric.abbe = 0",
+        "materials.a.dielectric.attenuation_distance = 0",
+        "materials.a.principled.metallic = 1.5",
+        "materials.a.principled.color = 'red'",
+        "materials.a.mix = { materials = ['a', 'a'] }",
+        "materials.a.mix = { materials = ['b', 'c'] }",
+        "materials.a.mix = { materials = ['b'] }",
+        "materials.a.principled.base_color = { image = { file = 'wood.png', channel = 'r' } }",
         "lights.a.sun = { direction = [0, 0, -1], irradiance = 1, angular_size = 0 }",
         "lights.a.sun = { direction = [0, 0, -1], irradiance = 1, angular_size = 181 }",
         "background = [-1, 0, 0]",
@@ -615,4 +628,47 @@ fn the_schema_describes_every_key_and_its_units() {
     let power = &schema["$defs"]["Power"];
     assert!(power["examples"].as_array().unwrap().contains(&"800 lm".into()), "{power}");
     assert_eq!(schema["additionalProperties"], serde_json::Value::Bool(false));
+}
+
+#[test]
+fn every_kind_of_material_is_described() {
+    let scene = scene(
+        "integrator = 'path'
+        [materials]
+        blend.mix = { materials = ['metal', 'bottle'], amount = 0.25 }
+        moon.diffuse = { roughness = 1, opacity = 0.5 }
+        metal.conductor = { metal = 'Gold', roughness = 0.3, anisotropy = 0.5, anisotropy_rotation = 90 }
+        own.conductor = { n = [1, 2, 3], k = 4 }
+        bottle.dielectric = { index = 'water', abbe = 50, attenuation_color = 0.5, attenuation_distance = '10 cm', priority = 2 }
+        window.thin_glass = { index = 1.6, color = 'red' }
+        car.principled = { clearcoat = 1, roughness = { image = { file = 'wood.png', channel = 'g' } } }
+        soap.principled = { iridescence = 1, iridescence_thickness = '300 nm', transmission = 1, solid = true }
+        steel.mirror = {}",
+    );
+    let find = |name: &str| scene.materials.iter().find(|m| m.name == name).expect(name);
+    let place = |name: &str| scene.materials.iter().position(|m| m.name == name).expect(name);
+    let amount = Scalar::constant(0.25);
+    let mixed = Scattering::Mix { materials: [place("metal"), place("bottle")], amount };
+    assert_eq!(find("blend").scattering, mixed);
+    assert_eq!(find("blend").interior, find("bottle").interior);
+    assert_eq!((find("moon").alpha, find("moon").reflectance.factor[3]), (Alpha::Blend, 0.5));
+    let Scattering::Conductor { index: Some(index), facets } = &find("metal").scattering else {
+        panic!("{:?}", find("metal"))
+    };
+    assert_eq!((index.n.x, facets.anisotropy.is(0.5)), (0.18299, true));
+    assert!((facets.rotation - std::f32::consts::FRAC_PI_2).abs() < 1e-6);
+    let own = ComplexIndex { n: Rgb::new(1.0, 2.0, 3.0), k: Rgb::splat(4.0) };
+    assert!(
+        matches!(find("own").scattering, Scattering::Conductor { index: Some(i), .. } if i == own)
+    );
+    let water = find("bottle").interior.expect("it is solid");
+    assert_eq!((water.index, water.dispersion, water.priority), (1.333, 0.02, 2));
+    assert!((water.absorption.x - 10.0 * 2.0_f32.ln()).abs() < 1e-4);
+    assert_eq!(find("window").scattering, Scattering::ThinGlass { index: 1.6 });
+    let Scattering::Principled(car) = &find("car").scattering else { panic!("{:?}", find("car")) };
+    assert_eq!((car.facets.roughness.channel, car.metallic.is(0.0)), (1, true));
+    let Scattering::Principled(soap) = &find("soap").scattering else { panic!("soap") };
+    assert!((soap.iridescence_thickness_range[1] - 300.0).abs() < 1e-3);
+    assert!(find("soap").interior.is_some() && find("car").interior.is_none());
+    assert!(find("window").is_pane() && !find("soap").is_pane());
 }

@@ -5,18 +5,64 @@ use glam::{Affine2, Vec2};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// A matte surface, perhaps with a perfect mirror over it: L = (R_d / π) Σ E_i cos θ_i, plus R_a · L_a of ambient light,
-/// plus what it mirrors, plus what it emits.
+/// The list of a material's textures; `$ref` and `$iter` make it one of references that can be changed or not.
+macro_rules! texture_list {
+    ($material:expr, $iter:ident, $($ref:tt)+) => {{
+        let material = $material;
+        let mut list = vec![$($ref)+ material.reflectance, $($ref)+ material.emission];
+        list.extend(material.ambient_reflectance.$iter());
+        list.extend(material.normal.$iter().map(|normal| $($ref)+ normal.texture));
+        match $($ref)+ material.scattering {
+            Scattering::Matte { roughness } => list.push($($ref)+ roughness.texture),
+            Scattering::Mirror { mirrored } => list.push(mirrored),
+            Scattering::Conductor { facets, .. } | Scattering::Dielectric { facets } => {
+                list.extend([$($ref)+ facets.roughness.texture, $($ref)+ facets.anisotropy.texture]);
+                list.extend(facets.direction.$iter());
+            }
+            Scattering::ThinGlass { .. } => {}
+            Scattering::Principled(p) => {
+                let p = $($ref)+ **p;
+                list.extend([
+                    $($ref)+ p.metallic.texture,
+                    $($ref)+ p.facets.roughness.texture,
+                    $($ref)+ p.facets.anisotropy.texture,
+                    $($ref)+ p.specular.texture,
+                    $($ref)+ p.specular_color,
+                    $($ref)+ p.transmission.texture,
+                    $($ref)+ p.diffuse_transmission.texture,
+                    $($ref)+ p.diffuse_transmission_color,
+                    $($ref)+ p.clearcoat.texture,
+                    $($ref)+ p.clearcoat_roughness.texture,
+                    $($ref)+ p.sheen_color,
+                    $($ref)+ p.sheen_roughness.texture,
+                    $($ref)+ p.iridescence.texture,
+                    $($ref)+ p.iridescence_thickness.texture,
+                ]);
+                list.extend(p.facets.direction.$iter());
+            }
+            Scattering::Mix { amount, .. } => list.push($($ref)+ amount.texture),
+        }
+        list
+    }};
+}
+
+/// What a surface does with light: what it emits, plus what it scatters of the light that arrives, plus R_a · L_a of
+/// ambient light.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
     /// The name it has in its file.
     pub name: String,
-    /// R_d, the fraction of light reflected per channel, 0..1. Its fourth channel is alpha.
+    /// R_d, the fraction of light reflected per channel, 0..1; of other materials than matte ones their colour, see
+    /// [`Scattering`]. Its fourth channel is alpha.
     pub reflectance: Texture,
-    /// R_a for ambient light; `None`: the same as `reflectance`.
+    /// R_a for ambient light; `None`: what is scattered in all.
     pub ambient_reflectance: Option<Texture>,
-    /// The fraction of light mirrored per channel, 0..1; with R_d at most 1 in all.
-    pub mirrored: Texture,
+    /// How light is scattered.
+    pub scattering: Scattering,
+    /// What bends the normals of the surface.
+    pub normal: Option<NormalMap>,
+    /// What is behind the surface, if it is the boundary of a transparent solid.
+    pub interior: Option<Interior>,
     /// Radiance added to what leaves the surface, W·sr⁻¹·m⁻².
     pub emission: Texture,
     /// Whether the back emits as well as the front, if it can be seen.
@@ -36,7 +82,9 @@ impl Material {
             name: name.into(),
             reflectance: Texture::constant(reflectance),
             ambient_reflectance: None,
-            mirrored: Texture::constant(Rgb::ZERO),
+            scattering: Scattering::Matte { roughness: Scalar::constant(0.0) },
+            normal: None,
+            interior: None,
             emission: Texture::constant(Rgb::ZERO),
             emits_behind: true,
             alpha: Alpha::Opaque,
@@ -44,12 +92,234 @@ impl Material {
             visible: true,
         }
     }
+
+    /// A perfect mirror over a black ground that reflects the fraction `mirrored`, each channel 0..1.
+    pub fn mirror(name: impl Into<String>, mirrored: Rgb) -> Self {
+        let scattering = Scattering::Mirror { mirrored: Texture::constant(mirrored) };
+        Self { scattering, ..Self::matte(name, Rgb::ZERO) }
+    }
+
+    /// Whether it scatters like a matte ground and nothing else.
+    pub fn is_matte(&self) -> bool {
+        matches!(&self.scattering, Scattering::Matte { roughness } if roughness.is(0.0))
+    }
+
+    /// Whether light passes it without being turned aside: panes of glass, which cast no shadow but their tint.
+    pub fn is_pane(&self) -> bool {
+        match &self.scattering {
+            Scattering::ThinGlass { .. } => true,
+            Scattering::Principled(p) => {
+                let thin = !p.transmission.is(0.0) && self.interior.is_none();
+                thin && p.facets.roughness.is(0.0) && p.facets.anisotropy.is(0.0)
+            }
+            _ => false,
+        }
+    }
+
+    /// Whether much of what it shows comes from one direction or through it, so that the integrator `direct`, which
+    /// asks lights alone, shows little of it.
+    pub fn shows_its_surroundings(&self) -> bool {
+        match &self.scattering {
+            Scattering::Matte { .. } => false,
+            Scattering::Principled(p) => !p.metallic.is(0.0) || !p.transmission.is(0.0),
+            _ => true,
+        }
+    }
+
+    /// All its textures.
+    pub fn textures(&self) -> Vec<&Texture> {
+        texture_list!(self, iter, &)
+    }
+
+    /// All its textures, to be changed.
+    pub fn textures_mut(&mut self) -> Vec<&mut Texture> {
+        texture_list!(self, iter_mut, &mut)
+    }
 }
 
-impl Material {
-    /// Whether it mirrors nothing.
-    pub(crate) fn is_matte(&self) -> bool {
-        self.mirrored.is_constant() && Rgb::from_slice(&self.mirrored.factor) == Rgb::ZERO
+/// How a surface scatters light. The material's `reflectance` is a different colour in each.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Scattering {
+    /// Matte: L = (R_d / π) Σ E_i cos θ_i. `reflectance` is R_d.
+    Matte {
+        /// 0: Lambert's; to 1: rough (EON; Portsmouth, Kutz, Hill 2025).
+        roughness: Scalar,
+    },
+    /// A perfect mirror over a matte ground of R_d `reflectance`.
+    Mirror {
+        /// The fraction of light mirrored per channel, 0..1; with R_d at most 1 in all.
+        mirrored: Texture,
+    },
+    /// A metal. `reflectance` multiplies what it reflects.
+    Conductor {
+        /// Complex index n + ik per channel; `None`: `reflectance` is what it reflects at normal incidence.
+        index: Option<ComplexIndex>,
+        /// How rough it is.
+        facets: Facets,
+    },
+    /// The boundary of a transparent solid, whose [`Material::interior`] says the rest. `reflectance` tints what passes.
+    Dielectric {
+        /// How rough it is.
+        facets: Facets,
+    },
+    /// A pane of glass without thickness. `reflectance` tints what passes.
+    ThinGlass {
+        /// Index of refraction, at least 1.
+        index: f32,
+    },
+    /// glTF's metallic-roughness surface. `reflectance` is its base colour.
+    Principled(Box<Principled>),
+    /// Two other materials, each in a part of all the points that a point is made of.
+    Mix {
+        /// Their indices in [`SceneDescription::materials`](super::SceneDescription::materials).
+        materials: [usize; 2],
+        /// The part of the second, 0..1.
+        amount: Scalar,
+    },
+}
+
+/// Index of refraction of a metal, n + ik per colour channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ComplexIndex {
+    /// n, at least 0.
+    pub n: Rgb,
+    /// k, at least 0.
+    pub k: Rgb,
+}
+
+/// Normals in a picture, for light to fall as if the surface had relief.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NormalMap {
+    /// Red, green and blue, each 0..1 for −1..1: along growing u, along growing v, out of the surface.
+    pub texture: Texture,
+    /// What the first two are multiplied by.
+    pub scale: f32,
+}
+
+/// How the small facets of a rough surface lean.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Facets {
+    /// Perceptual roughness, 0..1; their width alpha is its square.
+    pub roughness: Scalar,
+    /// How much wider they lean along the direction of `rotation` than across it, 0..1 (KHR_materials_anisotropy).
+    pub anisotropy: Scalar,
+    /// Direction of the anisotropy, anticlockwise from the direction of growing u, rad.
+    pub rotation: f32,
+    /// Red and green, each 0..1 for −1..1: the direction in the frame of u and v, before `rotation`.
+    pub direction: Option<Texture>,
+}
+
+impl Facets {
+    /// Of one roughness for all directions.
+    pub fn of(roughness: Scalar) -> Self {
+        Self { roughness, anisotropy: Scalar::constant(0.0), rotation: 0.0, direction: None }
+    }
+}
+
+/// What is inside of a transparent solid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Interior {
+    /// Index of refraction at 587.6 nm, more than 0.
+    pub index: f32,
+    /// 1 / Abbe number (n_d − 1) / (n_F − n_C): how much the index depends on the colour; 0: not at all.
+    pub dispersion: f32,
+    /// What is absorbed per length, m⁻¹ (Beer & Lambert).
+    pub absorption: Rgb,
+    /// Where solids overlap, the highest counts; of equals, the one that light entered last.
+    pub priority: i32,
+}
+
+impl Interior {
+    /// The index of a channel: red is that of the hydrogen line C, blue that of F, green lies between
+    /// (KHR_materials_dispersion).
+    pub fn index_of(&self, channel: usize) -> f32 {
+        let spread = 0.5 * (self.index - 1.0) * self.dispersion;
+        self.index + spread * (channel as f32 - 1.0)
+    }
+
+    /// What has to be absorbed per length, m⁻¹, so that white light has this colour after `distance`, m. What would be
+    /// black is as good as that.
+    pub fn absorption(color: Rgb, distance: f32) -> Rgb {
+        color.map(|channel| (-channel.clamp(1e-9, 1.0).ln() / distance).max(0.0))
+    }
+
+    /// The fraction of light that is left after a distance, m.
+    pub(crate) fn transmittance(&self, distance: f32) -> Rgb {
+        // Where nothing is absorbed, nothing is on the way to infinity either.
+        self.absorption.map(|k| if k > 0.0 { (-k * distance).exp() } else { 1.0 })
+    }
+}
+
+/// Parameters of glTF 2.0's metallic-roughness model and KHR_materials_*, with their names, ranges and defaults.
+#[derive(Debug, Clone, PartialEq)]
+#[allow(missing_docs, reason = "the names and meanings are glTF's")]
+pub struct Principled {
+    pub metallic: Scalar,
+    pub facets: Facets,
+    /// At least 1; 0 is taken as infinite.
+    pub ior: f32,
+    pub specular: Scalar,
+    pub specular_color: Texture,
+    pub transmission: Scalar,
+    pub diffuse_transmission: Scalar,
+    pub diffuse_transmission_color: Texture,
+    pub clearcoat: Scalar,
+    pub clearcoat_roughness: Scalar,
+    pub sheen_color: Texture,
+    pub sheen_roughness: Scalar,
+    pub iridescence: Scalar,
+    pub iridescence_ior: f32,
+    /// Between `iridescence_thickness_range`: 0..1.
+    pub iridescence_thickness: Scalar,
+    /// nm
+    pub iridescence_thickness_range: [f32; 2],
+}
+
+impl Default for Principled {
+    /// What glTF says where a file says nothing.
+    fn default() -> Self {
+        let [zero, one] = [0.0, 1.0].map(Scalar::constant);
+        Self {
+            metallic: one.clone(),
+            facets: Facets::of(one.clone()),
+            ior: 1.5,
+            specular: one.clone(),
+            specular_color: Texture::constant(Rgb::ONE),
+            transmission: zero.clone(),
+            diffuse_transmission: zero.clone(),
+            diffuse_transmission_color: Texture::constant(Rgb::ONE),
+            clearcoat: zero.clone(),
+            clearcoat_roughness: zero.clone(),
+            sheen_color: Texture::constant(Rgb::ZERO),
+            sheen_roughness: zero.clone(),
+            iridescence: zero,
+            iridescence_ior: 1.3,
+            iridescence_thickness: one,
+            iridescence_thickness_range: [100.0, 400.0],
+        }
+    }
+}
+
+/// A number over a surface: one channel of a texture, whose picture holds plain numbers instead of colours.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scalar {
+    /// What it is read from.
+    pub texture: Texture,
+    /// 0 to 3: red, green, blue, alpha.
+    pub channel: usize,
+}
+
+impl Scalar {
+    /// The same number everywhere.
+    pub fn constant(value: f32) -> Self {
+        let texture = Texture { factor: [value; 4], ..Texture::constant(Rgb::ONE) };
+        Self { texture, channel: 0 }
+    }
+
+    /// Whether it is this number everywhere.
+    pub fn is(&self, value: f32) -> bool {
+        let factor = self.texture.factor[self.channel];
+        (self.texture.is_constant() || factor == 0.0) && factor == value
     }
 }
 

@@ -17,7 +17,8 @@ mod view;
 pub use environment::{EnvironmentDescription, Sky};
 pub use light::{CameraLightAmount, Light, LightDescription, SpotFalloff};
 pub use material::{
-    Alpha, Material, Pattern, Pixels, Sampling, Texels, Texture, UvTransform, Wrap,
+    Alpha, ComplexIndex, Facets, Interior, Material, NormalMap, Pattern, Pixels, Principled,
+    Sampling, Scalar, Scattering, Texels, Texture, UvTransform, Wrap,
 };
 pub use mesh::Mesh;
 pub use photometry::{Goniometer, PhotometricWeb};

@@ -2,7 +2,7 @@
 
 use super::{
     CameraDescription, Light, LightDescription, Material, Pattern, Projection, SceneDescription,
-    Shape, Surface, Texture,
+    Shape, Surface,
 };
 use glam::DAffine3;
 
@@ -67,15 +67,11 @@ impl SceneDescription {
 
 /// The material with the indices of its pictures moved behind `count` others.
 fn with_images_after(mut material: Material, count: usize) -> Material {
-    let move_image = |texture: &mut Texture| {
+    for texture in material.textures_mut() {
         if let Pattern::Image { image, .. } = &mut texture.pattern {
             *image += count;
         }
-    };
-    move_image(&mut material.reflectance);
-    move_image(&mut material.mirrored);
-    move_image(&mut material.emission);
-    material.ambient_reflectance.as_mut().map(move_image);
+    }
     material
 }
 

@@ -1,5 +1,6 @@
 //! Camera, film and shading settings as plain data.
 
+use crate::color::View;
 use crate::units::written::{self, Size};
 use glam::DVec3;
 use schemars::JsonSchema;
@@ -57,6 +58,8 @@ pub struct FilmDescription {
     pub filter: Filter,
     /// How radiance becomes display values.
     pub exposure: Exposure,
+    /// What a developed picture looks like.
+    pub view: View,
     /// Whether the background becomes alpha 0.
     pub transparent: bool,
     /// Seed of every random number.
@@ -82,6 +85,7 @@ impl Default for FilmDescription {
             samples: 16,
             filter: Filter::default(),
             exposure: Exposure::default(),
+            view: View::default(),
             transparent: false,
             seed: 0,
         }

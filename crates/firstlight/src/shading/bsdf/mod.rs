@@ -1,181 +1,341 @@
-//! How a surface scatters light at one point.
+//! How a surface scatters light at one point: a handful of lobes, each plain data.
 //!
-//! All directions point away from the surface, on the side of the shading normal; cosines are with that normal.
+//! A [`Bsdf`] is made for one outgoing direction. `incoming` is where light comes from; both point away from the
+//! surface. Inside this module directions are in the frame of the surface, whose third axis is the shading normal on
+//! the side of the eye; the sign of the third coordinate decides between reflected and transmitted.
+
+mod albedo;
+mod diffuse;
+mod fresnel;
+mod ggx;
+mod glass;
+mod layers;
+mod principled;
+mod sheen;
+#[cfg(test)]
+mod tests;
+
+pub(crate) use fresnel::Fresnel;
+pub(crate) use layers::Layers;
+pub(crate) use principled::{PrincipledPoint, Wall, principled};
 
 use crate::color::Rgb;
-use crate::math::{concentric, tangents};
+use crate::math::tangents;
+use diffuse::{Eon, cosine_weighted};
+use ggx::{Ggx, mirrored, refracted};
 use glam::{Vec2, Vec3};
+use glass::Glass;
+use sheen::Sheen;
 use std::f32::consts::FRAC_1_PI;
 
-/// The ratio of radiance leaving a point to the irradiance that causes it, sr⁻¹.
+/// One way of scattering.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Bsdf {
-    /// Matte: the same radiance in every direction.
-    Lambert {
-        /// R_d, the fraction of the light that is reflected, 0..1.
-        reflectance: Rgb,
+pub(crate) struct Lobe {
+    /// Which.
+    pub kind: Kind,
+    /// What its BSDF is multiplied by.
+    pub weight: Rgb,
+    /// Probability with which it is picked, 0..1; those of a point add up to 1.
+    pub share: f32,
+}
+
+/// The shapes of lobes. The sharp ones scatter into one direction only.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Kind {
+    /// Matte: the lecture's k_d = R_d / π.
+    Lambert,
+    /// Matte, seen from behind: what falls on one side leaves on the other.
+    LambertThrough,
+    /// Matte and rough.
+    Eon(Eon),
+    /// Facets that reflect.
+    Facets {
+        /// How they lean.
+        facets: Ggx,
+        /// What each reflects.
+        fresnel: Fresnel,
+        /// Whether what they reflect leaves on the other side, as of a pane that is rough and has no thickness.
+        through: bool,
     },
-    /// A perfect mirror, and what it lets through scattered by a matte ground.
-    Mirror {
-        /// The fraction that is mirrored, 0..1.
-        mirrored: Rgb,
-        /// The fraction that is scattered, 0..1.
-        reflectance: Rgb,
+    /// Facets that reflect and refract.
+    Glass {
+        /// The boundary.
+        glass: Glass,
+        /// Colour of what passes.
+        tint: Rgb,
     },
+    /// Fibres.
+    Sheen(Sheen),
+    /// Sharp: reflected.
+    Mirror,
+    /// Sharp: bent.
+    Refraction {
+        /// Index beyond over index here.
+        eta: f32,
+        /// Cosine beyond.
+        cos_beyond: f32,
+    },
+    /// Sharp: goes on as if nothing were there.
+    Straight,
+}
+
+/// Axes at a point of a surface: a tangent and the shading normal, both of length 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Frame {
+    tangent: Vec3,
+    normal: Vec3,
+    relief: Option<Relief>,
+}
+
+/// Light that falls on a surface whose normals were bent: the bends stand for small hills, which cast shadows.
+///
+/// Conty Estevez, Lecocq, Stein, *A Microfacet-Based Shadowing Function to Solve the Bump Terminator Problem*, Ray
+/// Tracing Gems ch. 12, 2019.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Relief {
+    /// The normal before it was bent.
+    ground: Vec3,
+    /// Square of the width of facets as steep as the bend.
+    alpha2: f32,
+}
+
+impl Relief {
+    /// The fraction of light from `incoming` that hills do not stop.
+    fn visible(&self, incoming: Vec3) -> f32 {
+        let cos = incoming.dot(self.ground);
+        if cos <= 0.0 {
+            return 0.0;
+        }
+        let tan2 = (1.0 - cos * cos).max(0.0) / (cos * cos);
+        2.0 / (1.0 + (1.0 + self.alpha2 * tan2).sqrt())
+    }
+}
+
+impl Frame {
+    /// With any tangent.
+    pub(crate) fn around(normal: Vec3) -> Self {
+        Self { tangent: tangents(normal.as_dvec3()).0.as_vec3(), normal, relief: None }
+    }
+
+    /// With the tangent nearest to a vector; any if there is none.
+    pub(crate) fn along(normal: Vec3, tangent: Vec3) -> Self {
+        match (tangent - tangent.dot(normal) * normal).try_normalize() {
+            Some(tangent) => Self { tangent, normal, relief: None },
+            None => Self::around(normal),
+        }
+    }
+
+    /// The same frame, for a normal that was bent away from `ground`.
+    pub(crate) fn bent_from(self, ground: Vec3) -> Self {
+        let cos = self.normal.dot(ground).clamp(0.1, 1.0);
+        let alpha2 = 0.125 * (1.0 - cos * cos) / (cos * cos);
+        Self { relief: Some(Relief { ground, alpha2 }), ..self }
+    }
+
+    /// The fraction of light from the world's direction `incoming` that bends of the normal leave.
+    fn visible(&self, incoming: Vec3) -> f32 {
+        self.relief.as_ref().map_or(1.0, |relief| relief.visible(incoming))
+    }
+
+    /// The third axis.
+    pub(crate) fn normal(self) -> Vec3 {
+        self.normal
+    }
+
+    /// From the world into the frame.
+    pub(crate) fn to_local(self, v: Vec3) -> Vec3 {
+        let bitangent = self.normal.cross(self.tangent);
+        Vec3::new(v.dot(self.tangent), v.dot(bitangent), v.dot(self.normal))
+    }
+
+    /// From the frame into the world.
+    pub(crate) fn to_world(self, v: Vec3) -> Vec3 {
+        v.x * self.tangent + v.y * self.normal.cross(self.tangent) + v.z * self.normal
+    }
+}
+
+/// All lobes of a point, for one outgoing direction.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Bsdf<'a> {
+    /// The frame of the surface.
+    pub frame: Frame,
+    /// Unit vector to the eye, in the world.
+    pub outgoing: Vec3,
+    /// What there is.
+    pub lobes: &'a [Lobe],
 }
 
 /// A direction from which light may come, picked by chance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct BsdfSample {
-    /// Unit vector.
+    /// Unit vector, in the world.
     pub incoming: Vec3,
-    /// What light from there is multiplied by: BSDF × cosine / density.
+    /// What light from there is multiplied by: BSDF × |cosine| / density.
     pub weight: Rgb,
     /// Density of `incoming`, sr⁻¹; infinite if no other direction was possible.
     pub pdf: f32,
+    /// Whether it comes from the other side of the surface.
+    pub through: bool,
+    /// Whether it goes on as if there were no surface.
+    pub straight: bool,
 }
 
-impl Bsdf {
-    /// The lecture's k_d = R_d / π: what is reflected spreads over π projected steradians. Without what is mirrored,
-    /// which lights cannot be sampled for.
-    pub(crate) fn value(&self) -> Rgb {
-        self.reflectance() * FRAC_1_PI
+impl Bsdf<'_> {
+    /// BSDF × |cosine of `incoming`|, sr⁻¹, and the density with which [`Bsdf::sample`] picks it, sr⁻¹; both without
+    /// the sharp lobes.
+    #[inline(always)]
+    pub(crate) fn eval(&self, incoming: Vec3) -> (Rgb, f32) {
+        if let [Lobe { kind: Kind::Lambert, weight, share }] = *self.lobes {
+            let density = incoming.dot(self.frame.normal).max(0.0) * FRAC_1_PI;
+            return (weight * density * self.frame.visible(incoming), share * density);
+        }
+        let local = self.frame.to_local(incoming);
+        let (value, pdf) = self.eval_local(self.local_outgoing(), local);
+        // What comes through has no hills before it.
+        (if local.z > 0.0 { value * self.frame.visible(incoming) } else { value }, pdf)
     }
 
-    /// Density with which [`Bsdf::sample`] picks a direction with this cosine > 0, mirrors aside, sr⁻¹.
-    pub(crate) fn pdf(&self, cos: f32) -> f32 {
-        self.matte_share() * cos * FRAC_1_PI
+    fn eval_local(&self, outgoing: Vec3, incoming: Vec3) -> (Rgb, f32) {
+        let (mut value, mut pdf) = (Rgb::ZERO, 0.0);
+        for lobe in self.lobes {
+            let (f, p) = lobe.eval(outgoing, incoming);
+            value += lobe.weight * f;
+            pdf += lobe.share * p;
+        }
+        (value, pdf)
     }
 
-    /// A direction picked by three numbers in 0..1: `choice` decides between mirror and ground. `None` if nothing is
-    /// reflected there.
-    pub(crate) fn sample(
-        &self,
-        normal: Vec3,
-        outgoing: Vec3,
-        choice: f32,
-        u: Vec2,
-    ) -> Option<BsdfSample> {
-        let share = self.matte_share();
-        if choice >= share {
-            let Self::Mirror { mirrored, .. } = self else { return None };
-            let incoming = 2.0 * outgoing.dot(normal) * normal - outgoing;
+    /// A direction picked by three numbers in 0..1: `choice` decides between the lobes. `None` if nothing is scattered
+    /// there.
+    #[inline(always)]
+    pub(crate) fn sample(&self, choice: f32, u: Vec2) -> Option<BsdfSample> {
+        if let [Lobe { kind: Kind::Lambert, weight, .. }] = *self.lobes {
+            let local = cosine_weighted(u);
+            let (incoming, pdf) = (self.frame.to_world(local), local.z * FRAC_1_PI);
+            let weight = weight * self.frame.visible(incoming);
+            let sample = BsdfSample { incoming, weight, pdf, through: false, straight: false };
+            return (pdf > 0.0).then_some(sample);
+        }
+        let (lobe, choice) = self.pick(choice)?;
+        let outgoing = self.local_outgoing();
+        if let Some(local) = lobe.only_direction(outgoing) {
             return Some(BsdfSample {
-                incoming,
-                weight: *mirrored / (1.0 - share),
+                incoming: self.frame.to_world(local),
+                weight: lobe.weight / lobe.share,
                 pdf: f32::INFINITY,
+                through: local.z < 0.0,
+                straight: lobe.kind == Kind::Straight,
             });
         }
-        let (incoming, cos) = cosine_weighted(normal, u);
-        let pdf = self.pdf(cos);
-        (pdf > 0.0).then(|| BsdfSample { incoming, weight: self.reflectance() / share, pdf })
-    }
-
-    /// Whether it reflects nothing at all.
-    pub(crate) fn is_black(&self) -> bool {
-        let mirrors = matches!(self, Self::Mirror { mirrored, .. } if *mirrored != Rgb::ZERO);
-        !mirrors && self.reflectance() == Rgb::ZERO
-    }
-
-    fn reflectance(&self) -> Rgb {
-        match self {
-            Self::Lambert { reflectance } | Self::Mirror { reflectance, .. } => *reflectance,
-        }
-    }
-
-    /// Probability that the ground scatters and not the mirror.
-    fn matte_share(&self) -> f32 {
-        match self {
-            Self::Lambert { .. } => 1.0,
-            Self::Mirror { mirrored, reflectance } => {
-                let (mirror, ground) = (mirrored.max_element(), reflectance.max_element());
-                if ground > 0.0 { ground / (mirror + ground) } else { 0.0 }
-            }
-        }
-    }
-}
-
-/// A unit vector around `normal` in proportion to its cosine, which is returned too: points of a disk, lifted onto the
-/// hemisphere above (Malley).
-fn cosine_weighted(normal: Vec3, u: Vec2) -> (Vec3, f32) {
-    let place = concentric(u.as_dvec2());
-    let cos = (1.0 - place.length_squared()).max(0.0).sqrt();
-    let normal = normal.as_dvec3();
-    let (tangent, bitangent) = tangents(normal);
-    let direction = place.x * tangent + place.y * bitangent + cos * normal;
-    (direction.as_vec3(), cos as f32)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::testing::{Random, chi_squared_z};
-    use std::f64::consts::TAU;
-
-    const NORMAL: Vec3 = Vec3::new(0.36, -0.48, 0.8);
-
-    fn bsdfs() -> [Bsdf; 3] {
-        let (reflectance, mirrored) = (Rgb::new(0.2, 0.3, 0.1), Rgb::new(0.5, 0.4, 0.9));
-        [
-            Bsdf::Lambert { reflectance },
-            Bsdf::Mirror { mirrored, reflectance },
-            Bsdf::Mirror { mirrored, reflectance: Rgb::ZERO },
-        ]
-    }
-
-    fn samples(bsdf: Bsdf, outgoing: Vec3) -> impl Iterator<Item = Option<BsdfSample>> {
-        let mut random = Random::new(5);
-        (0..200_000).map(move |_| {
-            let mut unit = || random.unit() as f32;
-            bsdf.sample(NORMAL, outgoing, unit(), Vec2::new(unit(), unit()))
+        let local = lobe.sample(outgoing, choice, u)?;
+        let incoming = self.frame.to_world(local);
+        let (value, pdf) = self.eval(incoming);
+        (pdf > 0.0).then(|| BsdfSample {
+            incoming,
+            weight: value / pdf,
+            pdf,
+            through: local.z < 0.0,
+            straight: false,
         })
     }
 
-    /// Mean weights are what is reflected in all.
-    #[test]
-    fn samples_carry_the_whole_reflectance() {
-        let outgoing = Vec3::new(0.6, 0.0, 0.8);
-        for (bsdf, expected) in bsdfs().into_iter().zip([
-            Rgb::new(0.2, 0.3, 0.1),
-            Rgb::new(0.7, 0.7, 1.0),
-            Rgb::new(0.5, 0.4, 0.9),
-        ]) {
-            let sum: Rgb = samples(bsdf, outgoing).flatten().map(|sample| sample.weight).sum();
-            let off = (sum / 200_000.0 - expected).abs().max_element();
-            assert!(off < 4e-3, "{bsdf:?}: {off}");
+    /// The fraction of light that goes on as if nothing were there.
+    pub(crate) fn straight(&self) -> Rgb {
+        let lobes = self.lobes.iter().filter(|lobe| lobe.kind == Kind::Straight);
+        lobes.map(|lobe| lobe.weight).sum()
+    }
+
+    /// A lobe by its share, and the choice that is left.
+    fn pick(&self, choice: f32) -> Option<(&Lobe, f32)> {
+        let mut left = choice;
+        for lobe in self.lobes {
+            if left < lobe.share {
+                return Some((lobe, left / lobe.share));
+            }
+            left -= lobe.share;
+        }
+        self.lobes.last().map(|lobe| (lobe, 0.5))
+    }
+
+    /// As the facets see the eye: shading normals may turn away from it further than surfaces do.
+    fn local_outgoing(&self) -> Vec3 {
+        above(self.frame.to_local(self.outgoing))
+    }
+}
+
+/// The direction, lifted off the horizon.
+pub(crate) fn above(direction: Vec3) -> Vec3 {
+    const LEAST: f32 = 1e-4;
+    if direction.z >= LEAST {
+        return direction;
+    }
+    direction.with_z(LEAST).normalize()
+}
+
+impl Lobe {
+    /// BSDF × |cosine|, sr⁻¹, and density, sr⁻¹.
+    fn eval(&self, outgoing: Vec3, incoming: Vec3) -> (Rgb, f32) {
+        let reflects = incoming.z > 0.0;
+        let flipped = incoming.with_z(-incoming.z);
+        match self.kind {
+            Kind::Lambert if reflects => same(incoming.z * FRAC_1_PI),
+            Kind::LambertThrough if flipped.z > 0.0 => same(flipped.z * FRAC_1_PI),
+            Kind::Eon(eon) if reflects => {
+                (eon.value(outgoing, incoming) * incoming.z, eon.pdf(outgoing, incoming))
+            }
+            Kind::Sheen(sheen) if reflects => {
+                (Rgb::splat(sheen.value(outgoing, incoming) * incoming.z), Sheen::pdf(incoming))
+            }
+            Kind::Facets { facets, fresnel, through } if through != reflects => {
+                reflect(facets, fresnel, outgoing, if through { flipped } else { incoming })
+            }
+            Kind::Glass { glass, tint } => {
+                let (value, pdf) = glass.eval(outgoing, incoming);
+                (if reflects { Rgb::splat(value) } else { value * tint }, pdf)
+            }
+            _ => same(0.0),
         }
     }
 
-    #[test]
-    fn matte_grounds_are_sampled_by_their_density_and_mirrors_mirror() {
-        let outgoing = Vec3::new(0.6, 0.0, 0.8);
-        let mirror = 2.0 * outgoing.dot(NORMAL) * NORMAL - outgoing;
-        for bsdf in bsdfs() {
-            // Rings of equal projected solid angle, and the mirror's direction as a cell of its own.
-            let (rings, columns) = (20, 20);
-            let mut counts = vec![0; rings * columns + 1];
-            let (tangent, bitangent) = tangents(NORMAL.as_dvec3());
-            for sample in samples(bsdf, outgoing).flatten() {
-                let cos = sample.incoming.dot(NORMAL);
-                if sample.pdf.is_infinite() {
-                    assert!(sample.incoming.distance(mirror) < 1e-6);
-                    counts[rings * columns] += 1;
-                    continue;
-                }
-                assert!((sample.pdf / bsdf.pdf(cos) - 1.0).abs() < 2e-3, "{}", sample.pdf);
-                let matte = bsdf.value() * cos / sample.pdf;
-                assert!((matte - sample.weight).abs().max_element() < 2e-3);
-                let incoming = sample.incoming.as_dvec3();
-                let around = incoming.dot(bitangent).atan2(incoming.dot(tangent)) / TAU;
-                let column = (around.rem_euclid(1.0) * columns as f64) as usize;
-                let ring = ((1.0 - cos * cos) * rings as f32) as usize;
-                counts[ring.min(rings - 1) * columns + column.min(columns - 1)] += 1;
+    fn sample(&self, outgoing: Vec3, choice: f32, u: Vec2) -> Option<Vec3> {
+        let flip = |v: Vec3| v.with_z(-v.z);
+        match self.kind {
+            Kind::Lambert => Some(cosine_weighted(u)),
+            Kind::LambertThrough => Some(flip(cosine_weighted(u))),
+            Kind::Eon(eon) => Some(eon.sample(outgoing, u)),
+            Kind::Sheen(_) => Some(Sheen::sample(u)),
+            Kind::Facets { facets, through, .. } => {
+                let incoming = mirrored(outgoing, facets.sample(outgoing, u));
+                (incoming.z > 0.0).then(|| if through { flip(incoming) } else { incoming })
             }
-            let share = f64::from(bsdf.matte_share());
-            let mut shares = vec![share / (rings * columns) as f64; rings * columns];
-            shares.push(1.0 - share);
-            let z = chi_squared_z(&counts, &shares);
-            assert!(share == 0.0 || z < 4.5, "{bsdf:?}: {z} standard deviations");
+            Kind::Glass { glass, .. } => glass.sample(outgoing, choice, u),
+            Kind::Mirror | Kind::Refraction { .. } | Kind::Straight => None,
         }
     }
+
+    /// Where light must come from, if the lobe is sharp.
+    fn only_direction(&self, outgoing: Vec3) -> Option<Vec3> {
+        match self.kind {
+            Kind::Mirror => Some(mirrored(outgoing, Vec3::Z)),
+            Kind::Straight => Some(-outgoing),
+            Kind::Refraction { eta, cos_beyond } => {
+                Some(refracted(outgoing, Vec3::Z, eta, cos_beyond).normalize())
+            }
+            _ => None,
+        }
+    }
+}
+
+/// A lobe whose density is its BSDF × cosine.
+fn same(density: f32) -> (Rgb, f32) {
+    (Rgb::splat(density), density)
+}
+
+/// D G F / 4 cos cos, times the cosine, and the density.
+fn reflect(facets: Ggx, fresnel: Fresnel, outgoing: Vec3, incoming: Vec3) -> (Rgb, f32) {
+    let m = (outgoing + incoming).normalize_or(Vec3::Z);
+    let cos = outgoing.dot(m).clamp(0.0, 1.0);
+    let around = facets.density(m) / (4.0 * outgoing.z);
+    let value = around * facets.both_visible(outgoing, incoming);
+    (fresnel.at(cos) * value, around * facets.visible(outgoing))
 }

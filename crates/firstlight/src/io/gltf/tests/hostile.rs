@@ -130,6 +130,6 @@ fn surfaces_are_counted_before_they_fill_the_memory() {
     let mut access = FileAccess::beside(Path::new("m.gltf"), &[]);
     access.limits.decoded_bytes = 1 << 20;
     let text = document.to_string();
-    let scene = super::super::read(text.as_bytes(), "m.gltf", &access, &mut Warnings::new());
+    let scene = super::super::read(text.as_bytes(), "m.gltf", None, &access, &mut Warnings::new());
     assert!(scene.unwrap_err().to_string().contains("surfaces, which is the limit"));
 }

@@ -1,5 +1,7 @@
 use super::*;
-use crate::scene::description::{Alpha, Material, Pattern, Sampling, Texture, Wrap};
+use crate::scene::description::{
+    Alpha, Material, Pattern, Principled, Sampling, Scalar, Scattering, Texture, Wrap,
+};
 use glam::Vec2;
 
 fn material(value: Value) -> Material {
@@ -61,14 +63,104 @@ fn unlit_colour_is_emission_and_keeps_its_alpha() {
 }
 
 #[test]
-fn specular_glossiness_gives_its_diffuse_colour_and_metal_is_noted() {
-    let mut document = triangle();
-    document["materials"][0] = json!({ "extensions": { "KHR_materials_pbrSpecularGlossiness": {
-        "diffuseFactor": [0.5, 0.25, 0.125, 1] } } });
-    let (scene, warnings) = try_read(&document);
-    let factor = scene.unwrap().materials[0].reflectance.factor;
-    assert_eq!(factor, [0.5, 0.25, 0.125, 1.0]);
-    assert!(warnings[0].starts_with("m.gltf: materials[0]: uses metal"), "{warnings:?}");
+fn specular_glossiness_gives_its_diffuse_colour_and_its_gloss() {
+    let material = material(json!({ "extensions": { "KHR_materials_pbrSpecularGlossiness": {
+        "diffuseFactor": [0.5, 0.25, 0.125, 1], "specularFactor": [0.1, 0.2, 0.3],
+        "glossinessFactor": 0.75 } } }));
+    assert_eq!(material.reflectance.factor, [0.5, 0.25, 0.125, 1.0]);
+    let p = principled(&material);
+    assert_eq!((p.ior, p.facets.roughness.texture.factor[0]), (0.0, 0.25));
+    assert_eq!(p.specular_color.factor, [0.1, 0.2, 0.3, 1.0]);
+}
+
+fn principled(material: &Material) -> &Principled {
+    let Scattering::Principled(principled) = &material.scattering else {
+        panic!("not principled: {material:?}");
+    };
+    principled
+}
+
+/// The factor that a scalar has everywhere.
+fn value(scalar: &Scalar) -> f32 {
+    scalar.texture.factor[scalar.channel]
+}
+
+#[test]
+fn what_is_not_written_is_what_gltf_says() {
+    let material = material(json!({}));
+    assert_eq!(principled(&material), &Principled::default());
+    assert_eq!(material.interior, None);
+}
+
+#[test]
+fn all_ratified_extensions_are_read() {
+    let material = material(json!({
+        "pbrMetallicRoughness": { "metallicFactor": 0.25, "roughnessFactor": 0.75 },
+        "extensions": {
+            "KHR_materials_ior": { "ior": 1.4 },
+            "KHR_materials_specular": { "specularFactor": 0.5, "specularColorFactor": [2, 0.5, 0] },
+            "KHR_materials_transmission": { "transmissionFactor": 0.9 },
+            "KHR_materials_volume": {
+                "thicknessFactor": 0.1, "attenuationDistance": 2.0, "attenuationColor": [1, 0.5, 0.25] },
+            "KHR_materials_dispersion": { "dispersion": 0.5 },
+            "KHR_materials_clearcoat": { "clearcoatFactor": 0.7, "clearcoatRoughnessFactor": 0.1 },
+            "KHR_materials_sheen": { "sheenColorFactor": [0.1, 0.2, 0.3], "sheenRoughnessFactor": 0.6 },
+            "KHR_materials_anisotropy": { "anisotropyStrength": 0.8, "anisotropyRotation": 0.5 },
+            "KHR_materials_iridescence": { "iridescenceFactor": 1, "iridescenceIor": 1.8,
+                "iridescenceThicknessMinimum": 200, "iridescenceThicknessMaximum": 800 },
+            "KHR_materials_diffuse_transmission": {
+                "diffuseTransmissionFactor": 0.3, "diffuseTransmissionColorFactor": [1, 0, 0] },
+        },
+    }));
+    let p = principled(&material);
+    let scalars = [
+        &p.metallic,
+        &p.facets.roughness,
+        &p.specular,
+        &p.transmission,
+        &p.clearcoat,
+        &p.clearcoat_roughness,
+        &p.sheen_roughness,
+        &p.facets.anisotropy,
+        &p.iridescence,
+        &p.diffuse_transmission,
+    ];
+    let expected = [0.25, 0.75, 0.5, 0.9, 0.7, 0.1, 0.6, 0.8, 1.0, 0.3];
+    assert_eq!(scalars.map(value), expected);
+    assert_eq!((p.ior, p.facets.rotation, p.iridescence_ior), (1.4, 0.5, 1.8));
+    assert_eq!(p.specular_color.factor[..3], [2.0, 0.5, 0.0]);
+    assert_eq!(p.sheen_color.factor[..3], [0.1, 0.2, 0.3]);
+    assert_eq!(p.diffuse_transmission_color.factor[..3], [1.0, 0.0, 0.0]);
+    assert_eq!(p.iridescence_thickness_range, [200.0, 800.0]);
+    let interior = material.interior.expect("it is a solid");
+    assert_eq!((interior.index, interior.dispersion), (1.4, 0.025));
+    // Half of the green light is left after two metres.
+    assert!((interior.absorption.y - 0.5 * 2.0_f32.ln()).abs() < 1e-6, "{interior:?}");
+    assert_eq!(interior.absorption.x, 0.0);
+}
+
+#[test]
+fn textures_give_the_channels_that_gltf_names() {
+    let info = json!({ "index": 0 });
+    let (material, _) = textured(info.clone(), |document| {
+        let pbr = &mut document["materials"][0]["pbrMetallicRoughness"];
+        pbr["metallicRoughnessTexture"] = info.clone();
+        pbr["metallicFactor"] = json!(1);
+        document["materials"][0]["extensions"] = json!({
+            "KHR_materials_sheen": { "sheenColorFactor": [1, 1, 1], "sheenRoughnessFactor": 1,
+                "sheenRoughnessTexture": info },
+            "KHR_materials_transmission": { "transmissionTexture": info },
+            "KHR_materials_anisotropy": { "anisotropyStrength": 1, "anisotropyTexture": info },
+        });
+    });
+    let p = principled(&material);
+    let scalars = [&p.metallic, &p.facets.roughness, &p.sheen_roughness, &p.facets.anisotropy];
+    assert_eq!(scalars.map(|scalar| scalar.channel), [2, 1, 3, 2]);
+    let shows = |scalar: &Scalar| matches!(scalar.texture.pattern, Pattern::Image { .. });
+    assert_eq!(scalars.map(shows), [true; 4]);
+    // Nothing is read of a picture that is multiplied by 0.
+    assert!(p.transmission.is(0.0) && !shows(&p.transmission));
+    assert!(p.facets.direction.is_some());
 }
 
 #[test]
@@ -132,4 +224,28 @@ fn broken_pictures_are_named_and_replaced_by_something_visible() {
 fn a_mesh_without_the_texture_coordinates_is_noted() {
     let (_, warnings) = textured(json!({ "index": 0, "texCoord": 1 }), |_| {});
     assert!(warnings[0].contains("meshes[0].primitives[0]: has not the texture coordinates"));
+}
+
+#[test]
+fn variants_choose_materials() {
+    let mut document = triangle();
+    let color = |c: f32| json!({ "pbrMetallicRoughness": { "baseColorFactor": [c, 0, 0, 1] } });
+    document["materials"] = json!([color(0.25), color(0.5)]);
+    let variants = json!({ "KHR_materials_variants": { "variants": [{ "name": "day" }, { "name": "night" }] } });
+    document["extensions"] = variants;
+    document["meshes"][0]["primitives"][0]["material"] = json!(0);
+    document["meshes"][0]["primitives"][0]["extensions"] = json!({
+        "KHR_materials_variants": { "mappings": [{ "material": 1, "variants": [1] }] } });
+    let of = |variant: Option<&str>| {
+        let access = FileAccess::beside(Path::new("m.gltf"), &[]);
+        let text = document.to_string();
+        super::super::read(text.as_bytes(), "m.gltf", variant, &access, &mut Warnings::new())
+    };
+    let red = |variant| of(variant).unwrap().materials[0].reflectance.factor[0];
+    assert_eq!([None, Some("day"), Some("night")].map(red), [0.25, 0.25, 0.5]);
+    let complaint = of(Some("nihgt")).unwrap_err().to_string();
+    assert!(
+        complaint.contains("there are \"day\", \"night\"; did you mean \"night\"?"),
+        "{complaint}"
+    );
 }

@@ -74,7 +74,8 @@ fn floats(numbers: &[f32]) -> Vec<u8> {
 fn try_read(document: &Value) -> (Result<SceneDescription>, Vec<String>) {
     let mut warnings = Warnings::new();
     let access = FileAccess::beside(Path::new("m.gltf"), &[]);
-    let scene = super::read(document.to_string().as_bytes(), "m.gltf", &access, &mut warnings);
+    let scene =
+        super::read(document.to_string().as_bytes(), "m.gltf", None, &access, &mut warnings);
     (scene, warnings.iter().map(ToString::to_string).collect())
 }
 

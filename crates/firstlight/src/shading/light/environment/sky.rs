@@ -5,7 +5,7 @@ use super::preetham::{self, PreethamSky};
 use super::table::{Aim, DirectionTable};
 use crate::color::{Rgb, luminance};
 use crate::scene::description::{Pixels, Sampling, Sky, Wrap};
-use crate::shading::texture::{look_up, texel};
+use crate::shading::texture::{Role, look_up, texel};
 use glam::{DVec3, Vec2, Vec3, Vec4Swizzles};
 use std::f32::consts::FRAC_1_PI;
 use std::f64::consts::{PI, TAU};
@@ -51,7 +51,8 @@ impl Radiance {
                 horizon.lerp(if from.z > 0.0 { *zenith } else { *nadir }, from.z.abs())
             }
             Self::Picture { pixels, sampling } => {
-                look_up(pixels, on_picture(from), [Wrap::Repeat, Wrap::Clamp], *sampling).xyz()
+                let wrap = [Wrap::Repeat, Wrap::Clamp];
+                look_up(pixels, on_picture(from), wrap, *sampling, Role::Color).xyz()
             }
             Self::Cie { ground, .. } | Self::Clear { ground, .. } if from.z <= 0.0 => *ground,
             Self::Cie { sky, .. } => Rgb::splat(sky.relative(from.as_dvec3()) as f32),
@@ -100,7 +101,8 @@ fn horizontal(radiance: impl Fn(DVec3) -> DVec3) -> DVec3 {
 fn of_picture(pixels: &Pixels, sampling: Sampling, aim: Aim) -> Option<DirectionTable> {
     let (width, height) = (pixels.width as usize, pixels.height as usize);
     let place = |i: usize| Vec2::new((i % width) as f32, (i / width) as f32);
-    let brightness = |i| luminance(texel(pixels, place(i), [Wrap::Clamp; 2]).xyz()).max(0.0);
+    let brightness =
+        |i| luminance(texel(pixels, place(i), [Wrap::Clamp; 2], Role::Color).xyz()).max(0.0);
     let brightness: Vec<f32> = (0..width * height).map(brightness).collect();
     // The mean of straight lines between the centres of three cells, over the cell in the middle.
     let [side, middle] = if sampling == Sampling::Bilinear { [0.125, 0.75] } else { [0.0, 1.0] };

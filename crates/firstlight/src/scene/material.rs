@@ -1,0 +1,233 @@
+//! What a material is at one point: its textures looked up, its lobes made.
+
+use super::Scene;
+use super::description::{
+    Facets, Material, NormalMap, Pattern, Principled, Scalar, Scattering, Texture,
+};
+use crate::color::Rgb;
+use crate::shading::bsdf::{
+    Bsdf, Frame, Fresnel, Kind, Layers, Lobe, PrincipledPoint, Wall, above, principled,
+};
+use crate::shading::interaction::SurfaceInteraction;
+use crate::shading::texture::{Role, uv_set};
+use glam::{Vec2, Vec3, Vec3Swizzles, Vec4Swizzles};
+
+/// A boundary between two media as light that leaves it sees it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Boundary {
+    /// Index beyond over index on the side of the eye.
+    pub eta: f32,
+    /// Whether the eye is inside of the solid.
+    pub inside: bool,
+}
+
+/// The facets of a material, if they are not round.
+fn brushed(material: &Material) -> Option<&Facets> {
+    let facets = match &material.scattering {
+        Scattering::Conductor { facets, .. } | Scattering::Dielectric { facets } => facets,
+        Scattering::Principled(principled) => &principled.facets,
+        _ => return None,
+    };
+    (!facets.anisotropy.is(0.0)).then_some(facets)
+}
+
+/// Two directions laid into the plane of a normal, with length 1 unless they are 0.
+fn flattened(axes: [Vec3; 2], normal: Vec3) -> [Vec3; 2] {
+    axes.map(|axis| (axis - axis.dot(normal) * normal).normalize_or_zero())
+}
+
+/// A direction in a picture, in the texture coordinates that the picture is laid along.
+fn unturned(texture: &Texture, direction: Vec2) -> Vec2 {
+    let Pattern::Image { transform, .. } = &texture.pattern else { return direction };
+    let turned = transform.matrix2.inverse() * direction;
+    turned.normalize_or_zero() * direction.length()
+}
+
+/// Adds lobes for a point of a surface.
+struct Maker<'a> {
+    scene: &'a Scene,
+    at: &'a SurfaceInteraction,
+    boundary: Option<Boundary>,
+}
+
+impl Scene {
+    /// Adds the lobes of a material at a point to `lobes`, for light that leaves along the unit vector `outgoing`;
+    /// returns the frame that they are in, and the fraction of light that they scatter in all.
+    ///
+    /// `boundary` is given where the material is that of a solid, see [`Material::interior`].
+    #[inline(always)]
+    pub(crate) fn add_lobes(
+        &self,
+        material: &Material,
+        at: &SurfaceInteraction,
+        outgoing: Vec3,
+        boundary: Option<Boundary>,
+        lobes: &mut Vec<Lobe>,
+    ) -> (Frame, Rgb) {
+        if material.is_matte() {
+            let weight = self.evaluate(&material.reflectance, at).xyz();
+            if weight != Rgb::ZERO {
+                lobes.push(Lobe { kind: Kind::Lambert, weight, share: 1.0 });
+            }
+            return (self.frame(material, at), weight);
+        }
+        let frame = self.frame(material, at);
+        let mut layers = Layers::new(lobes, above(frame.to_local(outgoing)));
+        Maker { scene: self, at, boundary }.add(material, &mut layers);
+        (frame, layers.finish())
+    }
+
+    /// The boundary of a material's solid that lies in air, if it has one.
+    pub(crate) fn boundary_from_air(
+        &self,
+        material: &Material,
+        at: &SurfaceInteraction,
+    ) -> Option<Boundary> {
+        let index = material.interior?.index;
+        let eta = if at.front { index } else { 1.0 / index };
+        Some(Boundary { eta, inside: !at.front })
+    }
+
+    /// The frame of a surface: its first axis is the direction of the facets' anisotropy, its third the normal, bent as
+    /// the material wants it.
+    fn frame(&self, material: &Material, at: &SurfaceInteraction) -> Frame {
+        let ground = at.shading_normal;
+        let normal = material.normal.as_ref().map_or(ground, |map| self.bent_normal(map, at));
+        let frame = match brushed(material) {
+            Some(facets) => self.brushed_frame(normal, facets, at),
+            None => Frame::around(normal),
+        };
+        if normal == ground { frame } else { frame.bent_from(ground) }
+    }
+
+    fn brushed_frame(&self, normal: Vec3, facets: &Facets, at: &SurfaceInteraction) -> Frame {
+        let turn = Vec2::from_angle(facets.rotation);
+        let direction = match &facets.direction {
+            Some(texture) => 2.0 * self.look_up(texture, at, Role::Data).xy() - 1.0,
+            None => Vec2::X,
+        };
+        let turn = direction.normalize_or(Vec2::X).rotate(turn);
+        let uv_set = facets.direction.as_ref().map_or(0, uv_set);
+        let [along_u, along_v] = flattened(self.growing(at, uv_set), normal);
+        Frame::along(normal, turn.x * along_u + turn.y * along_v)
+    }
+
+    /// The normal that a map gives a point, on the side of the eye.
+    fn bent_normal(&self, map: &NormalMap, at: &SurfaceInteraction) -> Vec3 {
+        let normal = at.shading_normal;
+        let texel = 2.0 * self.look_up(&map.texture, at, Role::Data).xyz() - 1.0;
+        let slope = unturned(&map.texture, texel.xy()) * map.scale;
+        // Seen from behind, hills are valleys.
+        let slope = if at.front { slope } else { -slope };
+        let [along_u, along_v] = flattened(self.growing(at, uv_set(&map.texture)), normal);
+        (slope.x * along_u + slope.y * along_v + texel.z.max(1e-3) * normal).normalize()
+    }
+
+    /// The fraction of ambient light that the material reflects at a point; `None`: all that it scatters.
+    #[inline(always)]
+    pub(crate) fn ambient_reflectance(
+        &self,
+        material: &Material,
+        at: &SurfaceInteraction,
+    ) -> Option<Rgb> {
+        Some(self.evaluate(material.ambient_reflectance.as_ref()?, at).xyz())
+    }
+
+    /// The fraction of light that goes through a point of a pane as if it were not there.
+    pub(crate) fn straight(
+        &self,
+        material: &Material,
+        at: &SurfaceInteraction,
+        outgoing: Vec3,
+    ) -> Rgb {
+        let mut lobes = Vec::new();
+        let (frame, _) = self.add_lobes(material, at, outgoing, None, &mut lobes);
+        Bsdf { frame, outgoing, lobes: &lobes }.straight()
+    }
+}
+
+impl Maker<'_> {
+    fn color(&self, texture: &Texture) -> Rgb {
+        self.scene.evaluate(texture, self.at).xyz()
+    }
+
+    /// A number of a texture, 0..1.
+    fn number(&self, scalar: &Scalar) -> f32 {
+        if scalar.texture.is_constant() {
+            return scalar.texture.factor[scalar.channel];
+        }
+        let texel = self.scene.look_up(&scalar.texture, self.at, Role::Data);
+        texel[scalar.channel].clamp(0.0, 1.0)
+    }
+
+    /// Widths of the facets along the frame's first axis and across it.
+    fn alpha(&self, facets: &Facets) -> Vec2 {
+        let (roughness, anisotropy) =
+            (self.number(&facets.roughness), self.number(&facets.anisotropy));
+        let alpha = roughness * roughness;
+        Vec2::new(alpha + (1.0 - alpha) * anisotropy * anisotropy, alpha)
+    }
+
+    fn add(&self, material: &Material, layers: &mut Layers<'_>) {
+        let color = || self.color(&material.reflectance);
+        match &material.scattering {
+            Scattering::Matte { roughness } => layers.matte(color(), self.number(roughness)),
+            Scattering::Mirror { mirrored } => {
+                layers.add(Kind::Mirror, self.color(mirrored), Rgb::ONE);
+                layers.matte(color(), 0.0);
+            }
+            Scattering::Conductor { index, facets } => {
+                let color = color();
+                let fresnel = match index {
+                    Some(index) => {
+                        layers.left *= color;
+                        Fresnel::Conductor { n: index.n, k: index.k }
+                    }
+                    None => Fresnel::Schlick { normal: color, grazing: 1.0 },
+                };
+                layers.facets(fresnel, self.alpha(facets));
+            }
+            Scattering::Dielectric { facets } => {
+                let eta = self.boundary.map_or(1.0, |boundary| boundary.eta);
+                layers.glass(eta, self.alpha(facets), color());
+            }
+            Scattering::ThinGlass { index } => layers.window(*index, color()),
+            Scattering::Principled(p) => principled(layers, &self.principled(p, color())),
+            Scattering::Mix { materials, amount } => {
+                let (left, amount) = (layers.left, self.number(amount));
+                for (part, share) in materials.iter().zip([1.0 - amount, amount]) {
+                    layers.left = left * share;
+                    if share > 0.0 {
+                        self.add(&self.scene.materials[*part], layers);
+                    }
+                }
+            }
+        }
+    }
+
+    fn principled(&self, p: &Principled, base_color: Rgb) -> PrincipledPoint {
+        let [thin, thick] = p.iridescence_thickness_range;
+        PrincipledPoint {
+            base_color,
+            metallic: self.number(&p.metallic),
+            alpha: self.alpha(&p.facets),
+            ior: if p.ior == 0.0 { f32::INFINITY } else { p.ior },
+            specular: self.number(&p.specular),
+            specular_color: self.color(&p.specular_color),
+            transmission: self.number(&p.transmission),
+            diffuse_transmission: self.number(&p.diffuse_transmission),
+            diffuse_transmission_color: self.color(&p.diffuse_transmission_color),
+            clearcoat: self.number(&p.clearcoat),
+            clearcoat_roughness: self.number(&p.clearcoat_roughness),
+            sheen_color: self.color(&p.sheen_color),
+            sheen_roughness: self.number(&p.sheen_roughness),
+            iridescence: self.number(&p.iridescence),
+            iridescence_ior: p.iridescence_ior,
+            iridescence_thickness: thin + (thick - thin) * self.number(&p.iridescence_thickness),
+            wall: match self.boundary {
+                Some(Boundary { eta, inside }) => Wall::Solid { eta, inside },
+                None => Wall::Thin,
+            },
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! A rough boundary between two transparent media.
+
+use super::fresnel::dielectric;
+use super::ggx::{Ggx, mirrored, refracted};
+use glam::{DVec3, Vec2, Vec3};
+
+/// Walter et al., *Microfacet Models for Refraction through Rough Surfaces*, 2007.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Glass {
+    /// The facets.
+    pub facets: Ggx,
+    /// Index beyond over index on the side of `outgoing`.
+    pub eta: f32,
+}
+
+impl Glass {
+    /// Nearer to 1 than this, the boundary is not there.
+    pub(crate) const NOTHING: f32 = 1e-4;
+
+    /// BSDF × |cosine of `incoming`|, sr⁻¹, and density of [`Glass::sample`], sr⁻¹. Light that comes through is weaker
+    /// by η², since radiance counts light per solid angle and solid angles change (Veach 1997 §5.2).
+    pub(crate) fn eval(&self, outgoing: Vec3, incoming: Vec3) -> (f32, f32) {
+        let reflects = incoming.z > 0.0;
+        let (m, cos_o, cos_i) = self.facet(outgoing, incoming);
+        if cos_o <= 0.0 || (cos_i > 0.0) != reflects {
+            return (0.0, 0.0);
+        }
+        let eta = f64::from(self.eta);
+        let (reflected, _) = dielectric(cos_o.min(1.0), eta);
+        let seen = self.facets.visible_density(outgoing, m);
+        let hidden = self.facets.both_visible(outgoing, incoming) / self.facets.visible(outgoing);
+        if reflects {
+            let pdf = (reflected / (4.0 * cos_o)) as f32 * seen;
+            return (pdf * hidden, pdf);
+        }
+        let spread = cos_i + cos_o / eta;
+        let pdf = ((1.0 - reflected) * cos_i.abs() / (spread * spread)) as f32 * seen;
+        (pdf * hidden / (self.eta * self.eta), pdf)
+    }
+
+    /// The facet that sends light from `incoming` to `outgoing`, and its cosines with both. In double precision: where
+    /// the indices are nearly the same, the two directions nearly cancel.
+    fn facet(&self, outgoing: Vec3, incoming: Vec3) -> (Vec3, f64, f64) {
+        let (outgoing, toward) = (outgoing.as_dvec3().normalize(), incoming.as_dvec3().normalize());
+        let weight = if incoming.z > 0.0 { 1.0 } else { f64::from(self.eta) };
+        let m = (outgoing + weight * toward).normalize_or(DVec3::Z);
+        let m = if m.z < 0.0 { -m } else { m };
+        (m.as_vec3(), outgoing.dot(m), toward.dot(m))
+    }
+
+    /// A direction of either side: `choice` in 0..1 decides which.
+    pub(crate) fn sample(&self, outgoing: Vec3, choice: f32, u: Vec2) -> Option<Vec3> {
+        let m = self.facets.sample(outgoing, u);
+        let cos = outgoing.dot(m).clamp(0.0, 1.0);
+        match dielectric(cos.into(), self.eta.into()) {
+            (reflected, Some(beyond)) if f64::from(choice) >= reflected => {
+                let incoming = refracted(outgoing, m, self.eta, beyond as f32).normalize();
+                (incoming.z < 0.0).then_some(incoming)
+            }
+            _ => Some(mirrored(outgoing, m)).filter(|incoming| incoming.z > 0.0),
+        }
+    }
+}
