@@ -95,7 +95,7 @@ fn clipped(scene: &SceneDescription, picture: &Picture) -> Option<Diagnostic> {
     warn.then(|| {
         let message = format!("{:.0} % of the picture is brighter than white", 100.0 * part);
         let help = match unclipped(&mut levels) {
-            Some(ev) => format!("try --exposure {ev:.2}, or --view neutral"),
+            Some(ev) => format!("try --exposure {ev:.2} or --view neutral"),
             None => "use weaker lights".into(),
         };
         Diagnostic::new("", message).help(help)
