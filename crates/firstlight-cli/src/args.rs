@@ -194,7 +194,8 @@ pub(crate) struct StudioArgs {
     /// Irradiance of the key light, such as 2.8 (W/m²), "10 klx" or off [default: 2.8, off with lights of the model]
     #[arg(long, value_name = "AMOUNT|off", value_parser = irradiance, allow_hyphen_values = true)]
     pub key: Option<Switch<Quantity>>,
-    /// Irradiance of the light at the camera [default: 0.8, off with lights of the model]
+    /// Irradiance of the light at the camera [default: 0.8, off with lights of the model]. A model that is not all
+    /// matte stands under a soft sky instead, with light that bounces, unless --key or --headlight is given
     #[arg(long, value_name = "AMOUNT|off", value_parser = irradiance, allow_hyphen_values = true)]
     pub headlight: Option<Switch<Quantity>>,
     /// Colour of the ground [default: a light grey; off with lights of the model or --transparent]

@@ -88,6 +88,7 @@ impl StudioArgs {
             elevation: self.elevation.unwrap_or(usual.elevation),
             key: light(self.key, usual.key),
             headlight: light(self.headlight, usual.headlight),
+            surroundings: self.key.is_none() && self.headlight.is_none(),
             ground,
             background: self.background.map(rgb),
             ..usual

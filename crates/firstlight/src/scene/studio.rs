@@ -12,6 +12,13 @@ const GAP: f64 = 1e-3;
 /// Reflectance of the usual ground.
 const GROUND: Rgb = Rgb::splat(0.7);
 
+/// Radiance of the surroundings straight up, at the horizon and straight down, W·sr⁻¹·m⁻².
+const SKY: [f32; 3] = [0.6, 0.35, 0.2];
+/// Irradiance of a ground under that sky, W·m⁻²: the integral of radiance × cosine.
+const UNDER_SKY: f64 = PI * SKY[1] as f64 + 2.0 / 3.0 * PI * (SKY[0] - SKY[1]) as f64;
+/// The part of the key light that is left beside the sky.
+const KEY_BESIDE_SKY: f64 = 0.6;
+
 /// What to put around a model. Every part can be changed or left out; what the model brings itself is kept.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Studio {
@@ -25,6 +32,9 @@ pub struct Studio {
     pub key: Option<f64>,
     /// Irradiance of a surface that faces the light at the camera, W·m⁻².
     pub headlight: Option<f64>,
+    /// Whether something soft to be mirrored stands around a model that is not all matte: a sky in place of the light at
+    /// the camera and of a part of the key light, with light that bounces.
+    pub surroundings: bool,
     /// Reflectance of a ground under the model's lowest point, 0..1.
     pub ground: Option<Rgb>,
     /// Radiance of the background; `None`: that of the ground far away, so that no horizon shows.
@@ -39,6 +49,7 @@ impl Default for Studio {
             elevation: 20_f64.to_radians(),
             key: Some(2.8),
             headlight: Some(0.8),
+            surroundings: true,
             ground: Some(GROUND),
             background: None,
         }
@@ -51,13 +62,33 @@ impl Studio {
         if scene.cameras.is_empty() {
             scene.cameras.push(self.view(scene));
         }
-        if scene.lights.is_empty() && scene.environment.is_none() {
+        let bare = scene.lights.is_empty() && scene.environment.is_none();
+        let mirrors = !scene.materials.iter().all(Material::is_matte);
+        let surrounded = bare && mirrors && self.surroundings;
+        if surrounded {
+            self.surround(scene);
+        } else if bare {
             scene.lights.extend(self.lights());
         }
-        scene.background = self.background.unwrap_or_else(|| self.far_radiance(scene));
+        let far = self.far_radiance(scene, surrounded);
+        scene.background = self.background.unwrap_or(far);
         if let Some(reflectance) = self.ground {
             self.lay_ground(scene, reflectance);
         }
+    }
+
+    /// Lights what mirrors: black metal is what stands in an empty room.
+    fn surround(&self, scene: &mut SceneDescription) {
+        let key = self.key.map(|irradiance| KEY_BESIDE_SKY * irradiance);
+        scene.lights.extend(Self { key, headlight: None, ..self.clone() }.lights());
+        scene.integrator = Integrator::Path { bounces: None };
+        let [zenith, horizon, nadir] = SKY.map(Rgb::splat);
+        scene.environment = Some(EnvironmentDescription {
+            sky: Sky::Gradient { zenith, horizon, nadir },
+            factor: Rgb::ONE,
+            rotation: DQuat::from_rotation_arc(DVec3::Z, self.up),
+            visible: false,
+        });
     }
 
     /// The camera that frames everything from the studio's side.
@@ -94,7 +125,7 @@ impl Studio {
 
     /// Radiance of the ground far away, where points and the light at the camera no longer reach; of the usual ground
     /// if there is none.
-    fn far_radiance(&self, scene: &SceneDescription) -> Rgb {
+    fn far_radiance(&self, scene: &SceneDescription, surrounded: bool) -> Rgb {
         let radiance = scene.lights.iter().map(|described| match described.light {
             Light::Directional { direction, irradiance }
             | Light::Sun { direction, irradiance, .. } => {
@@ -103,7 +134,8 @@ impl Studio {
             Light::Ambient { radiance } => radiance,
             _ => Rgb::ZERO,
         });
-        self.ground.unwrap_or(GROUND) * radiance.sum::<Rgb>()
+        let sky = if surrounded { (UNDER_SKY / PI) as f32 } else { 0.0 };
+        self.ground.unwrap_or(GROUND) * (radiance.sum::<Rgb>() + sky)
     }
 
     fn lay_ground(&self, scene: &mut SceneDescription, reflectance: Rgb) {
@@ -116,5 +148,49 @@ impl Studio {
             material: scene.materials.len() - 1,
             transform: DAffine3::IDENTITY,
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Scene;
+
+    fn ball(material: Material, up: DVec3) -> SceneDescription {
+        let mut scene = SceneDescription::default();
+        scene.materials.push(material);
+        let shape = Shape::Sphere(Sphere { center: DVec3::ZERO, radius: 0.5 });
+        let transform = DAffine3::IDENTITY;
+        scene.surfaces.push(Surface { name: "ball".into(), shape, material: 0, transform });
+        Studio { up, ..Studio::default() }.dress(&mut scene);
+        scene
+    }
+
+    /// No horizon shows: far away the ground is as bright as what is behind it, whichever way the model stands and
+    /// whether it is matte or not.
+    #[test]
+    fn the_ground_goes_over_into_the_background() {
+        let matte = || Material::matte("matte", Rgb::splat(0.5));
+        let mirror = || Material::mirror("mirror", Rgb::splat(0.5));
+        for material in [matte(), mirror()] {
+            for up in [DVec3::Y, DVec3::Z] {
+                let described = ball(material.clone(), up);
+                let scene = Scene::build(&described);
+                let aside = up.any_orthogonal_vector() * 1e3;
+                let seen = scene.irradiance(aside - 0.4999 * up, up).value;
+                let background = described.background;
+                let ground = seen * GROUND / PI as f32;
+                assert!((ground / background - 1.0).abs().max_element() < 5e-3, "{ground} {up}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_mirrors_has_something_to_mirror() {
+        let scene = ball(Material::mirror("mirror", Rgb::splat(0.9)), DVec3::Z);
+        let toward = (scene.cameras[0].target - scene.cameras[0].position).normalize();
+        let ray = crate::Ray::new(scene.cameras[0].position.as_vec3(), toward.as_vec3());
+        let seen = Scene::build(&scene).radiance(&ray).value;
+        assert!(seen.min_element() > 0.1, "{seen}");
     }
 }
