@@ -1,6 +1,7 @@
 //! A whole picture: passes over tiles over threads.
 
-use crate::film::{Film, FilterSampler, Half, Noise, Tile};
+use crate::color::luminance;
+use crate::film::{Film, FilterSampler, Half, Noise, Spread, Tile};
 use crate::geometry::Ray;
 use crate::image::Image;
 use crate::integrator::{FILM, Gatherer, LENS, RayCounts};
@@ -10,7 +11,7 @@ use crate::scene::description::FilmDescription;
 use crate::simd::{Kernel, Simd};
 use glam::Vec2;
 use rayon::prelude::*;
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 use std::sync::Mutex;
 
 /// What to render and with what.
@@ -22,9 +23,9 @@ pub struct RenderOptions {
     pub crop: Option<Crop>,
     /// Only these of the film's samples of each pixel: from the first up to, not including, the second.
     pub samples: Option<[u32; 2]>,
-    /// Take samples until told to stop, and not as many as the film says. The noise is then known without bias, by two
-    /// halves that know nothing of each other; the picture is a little noisier than one whose number of samples is known
-    /// from the start. Negative lobes of filters are left out.
+    /// Take samples until told to stop, and not as many as the film says; after the first few, more of them where there is
+    /// more noise. The noise is then known without bias, by two halves that know nothing of each other. Negative lobes of
+    /// filters are left out.
     pub endless: bool,
     /// Stop when the relative noise of the picture ([`Noise::relative`]) is down to this; it needs `endless`.
     pub noise: Option<f64>,
@@ -35,7 +36,7 @@ pub struct RenderOptions {
 pub enum Stop {
     /// At once: some pixels get more samples than others.
     Now,
-    /// When every pixel has as many samples as the others.
+    /// When every pixel has the samples that it is to have so far: as many as the others, unless there is no end.
     AfterPass,
 }
 
@@ -59,9 +60,9 @@ pub struct Progress {
     pub done: f64,
     /// Rays traced so far.
     pub rays: RayCounts,
-    /// Samples that every pixel has got so far.
+    /// Samples that pixels have got so far, in the mean.
     pub samples: u32,
-    /// Whether this is the end of a pass: every pixel has got as many as the others.
+    /// Whether this is the end of a pass over the picture.
     pub whole: bool,
 }
 
@@ -70,8 +71,10 @@ pub struct Progress {
 pub struct Rendered {
     /// Linear radiance; transparent where no sample was taken.
     pub image: Image,
-    /// Samples per pixel that every pixel got.
+    /// Samples per pixel: those that every pixel got, or the mean if there is no end.
     pub samples: u32,
+    /// How many samples the pixels have that have the fewest and the most.
+    pub spread: Spread,
     /// Whether it was stopped before all samples were taken and before it was good enough.
     pub interrupted: bool,
     /// How noisy it is; `None` if there are too few samples to tell.
@@ -96,6 +99,7 @@ impl Rendered {
         Self {
             image: film.image(),
             samples,
+            spread: Spread { fewest: samples, mean: samples.into(), most: samples },
             interrupted: false,
             noise: film.noise(),
             film,
@@ -145,6 +149,8 @@ struct Render<'a> {
     size: [u32; 2],
     observe: &'a (dyn Fn(Progress) -> ControlFlow<Stop> + Sync),
     tally: Mutex<Tally>,
+    /// Which half decides how many samples another gets.
+    judge: fn(Half) -> Half,
 }
 
 /// What workers report.
@@ -152,6 +158,8 @@ struct Render<'a> {
 struct Tally {
     rays: RayCounts,
     tiles: u64,
+    /// Samples of all pixels.
+    samples: u64,
     stop: Option<Stop>,
     surface_rays: u64,
     brightest: f32,
@@ -182,16 +190,17 @@ impl<'a> Render<'a> {
             size: [crop.width, crop.height],
             observe,
             tally: Mutex::default(),
+            judge: Half::other,
         }
     }
 
     fn run(&self) -> Rendered {
-        let mut film = Film::new(self.origin, self.size);
+        let mut film = self.empty_film();
         let [first, end] = self.samples;
         let (mut next, mut judged_at, mut good) = (first, FEWEST_TO_JUDGE, false);
         while next < end && !good && self.tally().stop.is_none() {
             let pass = next..end.min(next + PASS);
-            self.pass(film.tiles_mut(), pass.clone());
+            self.pass(&mut film, pass.clone());
             if self.tally().stop != Some(Stop::Now) || self.passes_done() {
                 next = pass.end;
             }
@@ -201,40 +210,70 @@ impl<'a> Render<'a> {
                 judged_at = judge_again(next, noise / target);
             }
         }
-        let tally = self.tally();
+        let (tally, spread) = (self.tally(), film.spread());
+        let samples = if self.options.endless { spread.mean.round() as u32 } else { next - first };
         Rendered {
+            spread,
             interrupted: next < end && !good && tally.stop != Some(Stop::AfterPass),
             rays: tally.rays,
             surface_rays: tally.surface_rays,
             brightest: tally.brightest,
             dropped: tally.dropped,
             first_dropped: tally.first_dropped,
-            ..Rendered::of_film(film, next - first)
+            ..Rendered::of_film(film, samples)
         }
     }
 
-    /// Takes samples of every pixel.
-    fn pass(&self, tiles: &mut [Tile], samples: std::ops::Range<u32>) {
-        tiles.par_iter_mut().for_each_init(Worker::default, |worker, tile| {
-            if self.tally().stop != Some(Stop::Now) {
-                let level = self.scene.level();
-                level.run(TilePass { render: self, tile, samples: samples.clone(), worker });
-                self.report(worker);
+    fn empty_film(&self) -> Film {
+        let new = if self.options.endless { Film::in_halves } else { Film::new };
+        new(self.origin, self.size)
+    }
+
+    /// Takes samples of every pixel: these, or as many as each tile is to have by then in one of the halves, which take
+    /// turns.
+    fn pass(&self, film: &mut Film, samples: Range<u32>) {
+        let half =
+            if (samples.start / PASS).is_multiple_of(2) { Half::First } else { Half::Second };
+        let half = Some(half).filter(|_| self.options.endless);
+        let round = samples.start / (2 * PASS) + 1;
+        let passes = half.map(|half| film.passes((self.judge)(half), round));
+        film.tiles_mut().par_iter_mut().enumerate().for_each_init(
+            Worker::default,
+            |worker, (i, tile)| {
+                let samples = match (half, &passes) {
+                    (Some(half), Some(passes)) => tile.next_samples(half, passes[i], PASS, HALF),
+                    _ => samples.clone(),
+                };
+                self.fill(worker, tile, samples, half);
+            },
+        );
+    }
+
+    /// Takes samples of every pixel of a tile.
+    fn fill(&self, worker: &mut Worker, tile: &mut Tile, samples: Range<u32>, half: Option<Half>) {
+        let pixels = tile.pixels.len() as u64;
+        let mut taken = 0;
+        for start in samples.clone().step_by(PASS as usize) {
+            if self.tally().stop == Some(Stop::Now) {
+                return;
             }
-        });
+            let samples = start..samples.end.min(start + PASS);
+            taken += pixels * samples.len() as u64;
+            self.scene.level().run(TilePass { render: self, tile, samples, half, worker });
+        }
+        self.report(worker, taken);
     }
 
-    /// Which of the sampler's points a sample has, and which half it belongs to. Those of an endless render take turns,
-    /// pass by pass, between two sequences that know nothing of each other.
+    /// Which of the sampler's points a sample has, and which half it belongs to. Halves that take turns are two sequences
+    /// that know nothing of each other.
     #[inline(always)]
-    fn point(&self, sample: u32) -> (u32, Half) {
-        if !self.options.endless {
-            let second = sample >= self.scene.film().samples.div_ceil(2);
-            return (sample, if second { Half::Second } else { Half::First });
+    fn point(&self, sample: u32, half: Option<Half>) -> (u32, Half) {
+        match half {
+            None if sample < self.scene.film().samples.div_ceil(2) => (sample, Half::First),
+            None => (sample, Half::Second),
+            Some(Half::First) => (sample, Half::First),
+            Some(Half::Second) => (HALF + sample, Half::Second),
         }
-        let (pass, place) = (sample / PASS, sample % PASS);
-        let place = pass / 2 * PASS + place;
-        if pass % 2 == 0 { (place, Half::First) } else { (HALF + place, Half::Second) }
     }
 
     /// Tiles of one pass.
@@ -251,7 +290,8 @@ impl<'a> Render<'a> {
         let [first, end] = self.samples;
         let per_pass = self.tiles_per_pass();
         let passes = u64::from((end - first).div_ceil(PASS));
-        let samples = u64::from(PASS) * (tally.tiles / per_pass);
+        let pixels = self.size.map(u64::from).into_iter().product::<u64>();
+        let samples = tally.samples / pixels;
         Progress {
             done: tally.tiles as f64 / (passes * per_pass) as f64,
             rays: tally.rays,
@@ -260,9 +300,11 @@ impl<'a> Render<'a> {
         }
     }
 
-    fn report(&self, worker: &mut Worker) {
+    /// After `taken` more samples of a tile.
+    fn report(&self, worker: &mut Worker, taken: u64) {
         let mut tally = self.tally();
         tally.tiles += 1;
+        tally.samples += taken;
         tally.rays += worker.gatherer.take_counts();
         let (surface_rays, brightest) = worker.gatherer.seen(self.scene);
         tally.surface_rays += surface_rays;
@@ -290,10 +332,10 @@ impl<'a> Render<'a> {
 }
 
 /// The number of samples after which to judge the noise again: as many as it takes if the error falls as slowly as
-/// chance lets it, and at most twice as many, for it may have been overestimated.
+/// chance lets it, and at most half as many again, for it may have been overestimated, or go down faster.
 fn judge_again(samples: u32, above: f64) -> u32 {
     let needed = f64::from(samples) * above * above;
-    let next = needed.clamp(f64::from(samples + 2 * PASS), 2.0 * f64::from(samples));
+    let next = needed.clamp(f64::from(samples + 2 * PASS), 1.5 * f64::from(samples));
     (next as u32).next_multiple_of(2 * PASS)
 }
 
@@ -301,7 +343,9 @@ fn judge_again(samples: u32, above: f64) -> u32 {
 struct TilePass<'a> {
     render: &'a Render<'a>,
     tile: &'a mut Tile,
-    samples: std::ops::Range<u32>,
+    samples: Range<u32>,
+    /// The half of the picture that they belong to, where halves take turns.
+    half: Option<Half>,
     worker: &'a mut Worker,
 }
 
@@ -311,14 +355,14 @@ impl Kernel for TilePass<'_> {
     /// Adds the samples to every pixel of the tile.
     #[inline(always)]
     fn run<S: Simd>(self, _: S) {
-        let Self { render, tile, samples, worker } = self;
+        let Self { render, tile, samples, half, worker } = self;
         let (camera, film) = (render.scene.camera(), render.scene.film());
         let Worker { pixels, points, film_points, lens_points, rays, weights, .. } = worker;
         pixels.clear();
         points.clear();
         for index in tile.order() {
             let [x, y] = tile.place(index);
-            for (point, half) in samples.clone().map(|sample| render.point(sample)) {
+            for (point, half) in samples.clone().map(|sample| render.point(sample, half)) {
                 pixels.push((index, half));
                 points.push(render.sampler.points(x, y, point));
             }
@@ -336,11 +380,21 @@ impl Kernel for TilePass<'_> {
             rays.push(camera.ray(place, lens_points.get(i).copied().unwrap_or_default()));
             weights.push(weight);
         }
+        let count = samples.len();
         let samples = worker.gatherer.gather(render.scene, film.transparent, rays, points);
         for ((sample, &(pixel, half)), &weight) in samples.iter().zip(&*pixels).zip(&*weights) {
-            if !tile.pixels[pixel].add(sample, weight, half) {
+            if !tile.add(pixel, sample, weight, half) {
                 worker.dropped.get_or_insert((tile.place(pixel), 0)).1 += 1;
             }
+        }
+        tile.samples += count as u32;
+        if let Some(half) = half {
+            for (samples, pixels) in samples.chunks(count).zip(pixels.chunks(count)) {
+                let luminances = samples.iter().map(|sample| f64::from(luminance(sample.radiance)));
+                let square = tile.square(pixels[0].0);
+                tile.watches[half as usize].note(square, luminances);
+            }
+            tile.watches[half as usize].end_pass();
         }
     }
 }
@@ -362,3 +416,6 @@ struct Worker {
     /// First pixel with a dropped sample, and how many were dropped.
     dropped: Option<([u32; 2], u64)>,
 }
+
+#[cfg(test)]
+mod tests;
