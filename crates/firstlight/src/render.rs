@@ -3,14 +3,14 @@
 use crate::film::{Film, FilterSampler, Half, Noise, Tile};
 use crate::geometry::Ray;
 use crate::image::Image;
-use crate::integrator::{FILM, Gatherer, LENS, RayCounts};
+use crate::integrator::{FILM, Gatherer, LENS, RayCounts, Record, Recorder};
 use crate::sampler::{PathPoints, Sampler, pairs};
 use crate::scene::Scene;
 use crate::scene::description::FilmDescription;
 use crate::simd::{Kernel, Simd};
 use glam::Vec2;
 use rayon::prelude::*;
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 use std::sync::Mutex;
 
 /// What to render and with what.
@@ -134,6 +134,42 @@ pub fn with_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) ->
     }
 }
 
+/// Some samples of one pixel, and all that happened to them.
+pub(crate) struct Replayed<'a> {
+    /// Their numbers in the picture.
+    pub samples: Range<u32>,
+    /// The weight of each under the filter; 0 if it was dropped.
+    pub weights: &'a [f32],
+    /// What happened.
+    pub record: &'a Record,
+}
+
+/// Takes these samples of the pixel in column `x`, row `y` as [`render`] does, and shows them to `observe`, a pass at a
+/// time. Returns the pixel's linear RGBA.
+pub(crate) fn replay(
+    scene: &Scene,
+    [x, y]: [u32; 2],
+    samples: Range<u32>,
+    mut observe: impl FnMut(Replayed<'_>),
+) -> [f32; 4] {
+    let crop = Some(Crop { x, y, width: 1, height: 1 });
+    let options = RenderOptions { crop, ..RenderOptions::default() };
+    let render = Render::new(scene, &options, &|_| ControlFlow::Continue(()));
+    let (mut film, mut worker) = (Film::new(render.origin, render.size), Worker::default());
+    let mut record = Record::default();
+    for first in samples.clone().step_by(PASS as usize) {
+        let samples = first..samples.end.min(first + PASS);
+        record.clear();
+        for tile in film.tiles_mut() {
+            let (samples, worker, recorder) = (samples.clone(), &mut worker, &mut record);
+            // One pixel is no work that would need a processor's own instructions.
+            TilePass { render: &render, tile, samples, worker, recorder }.take();
+        }
+        observe(Replayed { samples, weights: &worker.weights, record: &record });
+    }
+    film.image().pixels()[0]
+}
+
 struct Render<'a> {
     scene: &'a Scene,
     options: RenderOptions,
@@ -214,11 +250,12 @@ impl<'a> Render<'a> {
     }
 
     /// Takes samples of every pixel.
-    fn pass(&self, tiles: &mut [Tile], samples: std::ops::Range<u32>) {
+    fn pass(&self, tiles: &mut [Tile], samples: Range<u32>) {
         tiles.par_iter_mut().for_each_init(Worker::default, |worker, tile| {
             if self.tally().stop != Some(Stop::Now) {
                 let level = self.scene.level();
-                level.run(TilePass { render: self, tile, samples: samples.clone(), worker });
+                let (samples, recorder) = (samples.clone(), &mut ());
+                level.run(TilePass { render: self, tile, samples, worker, recorder });
                 self.report(worker);
             }
         });
@@ -298,20 +335,28 @@ fn judge_again(samples: u32, above: f64) -> u32 {
 }
 
 /// One pass over one tile, with all its stages compiled for the processor's level.
-struct TilePass<'a> {
+struct TilePass<'a, R> {
     render: &'a Render<'a>,
     tile: &'a mut Tile,
-    samples: std::ops::Range<u32>,
+    samples: Range<u32>,
     worker: &'a mut Worker,
+    recorder: &'a mut R,
 }
 
-impl Kernel for TilePass<'_> {
+impl<R: Recorder> Kernel for TilePass<'_, R> {
     type Output = ();
 
-    /// Adds the samples to every pixel of the tile.
     #[inline(always)]
     fn run<S: Simd>(self, _: S) {
-        let Self { render, tile, samples, worker } = self;
+        self.take();
+    }
+}
+
+impl<R: Recorder> TilePass<'_, R> {
+    /// Takes the samples of every pixel of the tile.
+    #[inline(always)]
+    fn take(self) {
+        let Self { render, tile, samples, worker, recorder } = self;
         let (camera, film) = (render.scene.camera(), render.scene.film());
         let Worker { pixels, points, film_points, lens_points, rays, weights, .. } = worker;
         pixels.clear();
@@ -336,10 +381,12 @@ impl Kernel for TilePass<'_> {
             rays.push(camera.ray(place, lens_points.get(i).copied().unwrap_or_default()));
             weights.push(weight);
         }
-        let samples = worker.gatherer.gather(render.scene, film.transparent, rays, points);
-        for ((sample, &(pixel, half)), &weight) in samples.iter().zip(&*pixels).zip(&*weights) {
-            if !tile.pixels[pixel].add(sample, weight, half) {
+        let samples =
+            worker.gatherer.gather(render.scene, film.transparent, rays, points, recorder);
+        for ((sample, &(pixel, half)), weight) in samples.iter().zip(&*pixels).zip(weights) {
+            if !tile.pixels[pixel].add(sample, *weight, half) {
                 worker.dropped.get_or_insert((tile.place(pixel), 0)).1 += 1;
+                *weight = 0.0;
             }
         }
     }
@@ -355,7 +402,7 @@ struct Worker {
     /// Where each path crosses the film, and the lens if that matters: pairs of numbers in 0..1.
     film_points: Vec<Vec2>,
     lens_points: Vec<Vec2>,
-    /// Each path's first ray and its weight under the filter.
+    /// Each path's first ray and its weight under the filter, 0 if its sample was dropped.
     rays: Vec<Ray>,
     weights: Vec<f32>,
     gatherer: Gatherer,
