@@ -69,7 +69,7 @@ fn the_terms_of_every_pixel_add_up() {
 const BOARD: &str = "
     film = { resolution = [9, 9], samples = 1 }
     camera.orthographic = { position = [0, 0, 4], target = [0, 0, 0], height = 0.1, up = [0, 1, 0] }
-    surfaces.floor.quad = { corner = [-2, -2, 0], edges = [[4, 0, 0], [0, 4, 0]] }
+    surfaces.floor.quad = { corner = [-2, -2, 0], edge_u = [4, 0, 0], edge_v = [0, 4, 0] }
     surfaces.floor.material = 'grey'
     materials.grey.lambert = { reflectance = 0.5 }
     lights.key.point = { position = [0, 3, 4], intensity = 100 }
@@ -137,7 +137,7 @@ fn dark_pixels_have_causes() {
             "faces_away",
         ),
         (vec!["surfaces.floor.quad.corner=[5, 5, 0]"], "background"),
-        (vec!["materials.grey.emission.radiance=4"], "emission"),
+        (vec!["materials.grey.emission=0.4", "lights.key.point.intensity=0.01"], "emission"),
         (vec![], "lit"),
     ];
     for (more, kind) in cases {
