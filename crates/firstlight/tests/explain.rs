@@ -121,7 +121,7 @@ fn lights_that_give_nothing_say_why() {
     assert_eq!(by, "shade");
     assert!((distance - 2.0).abs() < 0.02, "the sphere begins 2 m away, not {distance}");
     assert!(cause.contains("light 'key' is blocked by 'shade' 2"), "{cause}");
-    let (lit, _) = verdict("key", &[shade, "lights.key.shadows=false"]);
+    let (lit, _) = verdict("key", &[shade, "lights.key.point.shadows=false"]);
     assert_eq!(lit, Verdict::Unshadowed);
 }
 
@@ -137,7 +137,7 @@ fn dark_pixels_have_causes() {
             "faces_away",
         ),
         (vec!["surfaces.floor.quad.corner=[5, 5, 0]"], "background"),
-        (vec!["materials.grey.emission=0.4", "lights.key.point.intensity=0.01"], "emission"),
+        (vec!["materials.grey.lambert.emission=0.4", "lights.key.point.intensity=0.01"], "emission"),
         (vec![], "lit"),
     ];
     for (more, kind) in cases {

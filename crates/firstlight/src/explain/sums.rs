@@ -6,7 +6,7 @@ use crate::geometry::{Hit, Ray};
 use crate::integrator::{Asked, Followed, Source};
 use crate::render::Replayed;
 use crate::scene::{Scene, StopsLight};
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec3};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -89,10 +89,9 @@ pub(super) struct Sums<'a> {
 
 impl<'a> Sums<'a> {
     pub(super) fn new(scene: &'a Scene, [x, y]: [u32; 2]) -> Self {
-        let middle = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
         Self {
             scene,
-            middle: scene.camera().ray(middle, Vec2::splat(0.5)),
+            middle: scene.camera().get_ray(x, y),
             terms: BTreeMap::new(),
             count: 0.0,
             covered: 0.0,
