@@ -25,6 +25,7 @@ const EXIT_CODES: &str = "\
 Examples:
   firstlight render scene.toml -o picture.png
   firstlight render chair.glb --azimuth 60 -r 1920x1080
+  firstlight explain scene.toml --pixel 320,180
   firstlight measure scene.toml --irradiance 0,0,0,0,0,1
   firstlight verify
 
@@ -34,6 +35,8 @@ Exit codes: 0 done, 1 failed, 2 wrong usage or bad input, 3 a strict check faile
 pub(crate) enum Command {
     /// Render a picture of a scene or model
     Render(Box<RenderArgs>),
+    /// Say why a pixel has the colour it has
+    Explain(Box<ExplainArgs>),
     /// Read everything a scene needs and say what is wrong with it; draws nothing
     Check(CheckArgs),
     /// Show what is in a scene or model
@@ -62,43 +65,17 @@ pub(crate) struct InputArgs {
     pub allow_path: Vec<PathBuf>,
 }
 
+/// What a picture shows, and with what it is made.
 #[derive(Debug, Args)]
-#[command(after_help = RENDER_EXAMPLES)]
-pub(crate) struct RenderArgs {
+pub(crate) struct PictureArgs {
     #[command(flatten)]
     pub input: InputArgs,
-    #[command(flatten)]
-    pub output: OutputArgs,
     /// Size of the picture in pixels
     #[arg(short, long, value_name = "WxH", value_parser = resolution, allow_hyphen_values = true)]
     pub resolution: Option<[u32; 2]>,
     /// Samples per pixel
     #[arg(long, value_name = "N", value_parser = samples(), allow_negative_numbers = true)]
     pub spp: Option<u32>,
-    /// Stop after so long, such as 30s or 5min, when all pixels have as many samples; without --spp, take as many as fit
-    #[arg(long, value_name = "TIME", value_parser = duration, allow_hyphen_values = true)]
-    pub time: Option<Duration>,
-    /// Stop when the standard error of pixels is this part of them, such as 2%
-    #[arg(long, value_name = "PERCENT", value_parser = noise, allow_hyphen_values = true)]
-    pub noise: Option<f64>,
-    /// Take only these of all samples per pixel, from A up to, not including, B, and write a part (.exr) for merge
-    #[arg(long, value_name = "A..B", value_parser = sample_range, allow_hyphen_values = true)]
-    #[arg(conflicts_with = "noise")]
-    pub samples: Option<[u32; 2]>,
-    /// Worker threads [default: one per processor]; the picture does not depend on it
-    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
-    #[arg(allow_negative_numbers = true)]
-    pub threads: Option<u32>,
-    /// Work that goes into the scene's trees: preview starts sooner, final traces faster
-    #[arg(long, value_enum, value_name = "QUALITY", default_value = "final")]
-    pub build: BuildName,
-    /// Seed of every random number
-    #[arg(long, value_name = "N", value_parser = seed)]
-    #[arg(allow_negative_numbers = true)]
-    pub seed: Option<u64>,
-    /// Render only this part of the picture, in pixels from its upper left corner
-    #[arg(long, value_name = "X,Y,W,H", value_parser = crop, allow_hyphen_values = true)]
-    pub crop: Option<Crop>,
     /// The camera to use; frame: one that shows everything [default: the scene's first]
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
@@ -111,9 +88,44 @@ pub(crate) struct RenderArgs {
     /// Make the background transparent
     #[arg(long)]
     pub transparent: bool,
+    /// Seed of every random number
+    #[arg(long, value_name = "N", value_parser = seed)]
+    #[arg(allow_negative_numbers = true)]
+    pub seed: Option<u64>,
+    /// Worker threads [default: one per processor]; the picture does not depend on it
+    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    #[arg(allow_negative_numbers = true)]
+    pub threads: Option<u32>,
     /// Instructions to trace with: auto or a set that this processor has
     #[arg(long, value_name = "SET", value_parser = simd, default_value = "auto")]
     pub simd: Simd,
+    #[command(flatten)]
+    pub studio: StudioArgs,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = RENDER_EXAMPLES)]
+pub(crate) struct RenderArgs {
+    #[command(flatten)]
+    pub picture: PictureArgs,
+    #[command(flatten)]
+    pub output: OutputArgs,
+    /// Stop after so long, such as 30s or 5min, when all pixels have as many samples; without --spp, take as many as fit
+    #[arg(long, value_name = "TIME", value_parser = duration, allow_hyphen_values = true)]
+    pub time: Option<Duration>,
+    /// Stop when the standard error of pixels is this part of them, such as 2%
+    #[arg(long, value_name = "PERCENT", value_parser = noise, allow_hyphen_values = true)]
+    pub noise: Option<f64>,
+    /// Take only these of all samples per pixel, from A up to, not including, B, and write a part (.exr) for merge
+    #[arg(long, value_name = "A..B", value_parser = sample_range, allow_hyphen_values = true)]
+    #[arg(conflicts_with = "noise")]
+    pub samples: Option<[u32; 2]>,
+    /// Work that goes into the scene's trees: preview starts sooner, final traces faster
+    #[arg(long, value_enum, value_name = "QUALITY", default_value = "final")]
+    pub build: BuildName,
+    /// Render only this part of the picture, in pixels from its upper left corner
+    #[arg(long, value_name = "X,Y,W,H", value_parser = crop, allow_hyphen_values = true)]
+    pub crop: Option<Crop>,
     /// Print a report as JSON on standard output
     #[arg(long)]
     pub json: bool,
@@ -123,9 +135,41 @@ pub(crate) struct RenderArgs {
     /// End with exit code 3 if there is any warning; the picture is written nevertheless
     #[arg(long)]
     pub strict: bool,
-    #[command(flatten)]
-    pub studio: StudioArgs,
 }
+
+#[derive(Debug, Args)]
+#[command(after_help = EXPLAIN_EXAMPLES)]
+pub(crate) struct ExplainArgs {
+    #[command(flatten)]
+    pub picture: PictureArgs,
+    /// The pixel, from the upper left corner of the picture, which is 0,0
+    #[arg(long, value_name = "X,Y", value_parser = pixel, allow_hyphen_values = true)]
+    pub pixel: [u32; 2],
+    /// Another pixel: say what differs and by how much
+    #[arg(long, value_name = "X,Y", value_parser = pixel, allow_hyphen_values = true)]
+    pub compare: Option<[u32; 2]>,
+    /// Say what this light does here, and if nothing, why not
+    #[arg(long, value_name = "LIGHT")]
+    pub why_not: Option<String>,
+    /// Say which light and which reflection the noise comes from
+    #[arg(long)]
+    pub noise: bool,
+    /// Draw the rays into this file
+    #[arg(long, value_name = "FILE")]
+    pub svg: Option<PathBuf>,
+    /// Print it all as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+const EXPLAIN_EXAMPLES: &str = "\
+The pixel is made again as render makes it, with the same options; the sum of the explanation is its colour.
+
+Examples:
+  firstlight explain scene.toml --pixel 320,180
+  firstlight explain scene.toml --pixel 320,180 --why-not key
+  firstlight explain scene.toml --pixel 320,180 --compare 400,180
+  firstlight explain chair.glb -r 640x360 --pixel 100,40 --svg rays.svg";
 
 /// Where a picture goes.
 #[derive(Debug, Args)]
@@ -455,6 +499,14 @@ fn crop(text: &str) -> Parsed<Crop> {
         return Err("needs four whole numbers x,y,width,height, such as 100,80,64,64".into());
     };
     Ok(Crop { x, y, width, height })
+}
+
+fn pixel(text: &str) -> Parsed<[u32; 2]> {
+    let numbers: Vec<_> = text.split(',').map(|number| number.trim().parse::<u32>()).collect();
+    let [Ok(x), Ok(y)] = numbers[..] else {
+        return Err("needs two whole numbers x,y, such as 320,180".into());
+    };
+    Ok([x, y])
 }
 
 fn number(text: &str, most: f64) -> Parsed<f64> {

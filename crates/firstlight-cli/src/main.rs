@@ -2,12 +2,15 @@
 
 mod args;
 mod check;
+mod drawing;
+mod explain;
 mod info;
 mod input;
 mod machine;
 mod measure;
 mod merge;
 mod output;
+mod picture;
 mod render;
 mod report;
 mod rows;
@@ -24,6 +27,7 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Render(args) => render::run(*args),
+        Command::Explain(args) => explain::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Schema => schema::run(),

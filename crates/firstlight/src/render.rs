@@ -4,7 +4,7 @@ use crate::color::luminance;
 use crate::film::{Film, FilterSampler, Half, Noise, Spread, Tile};
 use crate::geometry::Ray;
 use crate::image::Image;
-use crate::integrator::{FILM, Gatherer, LENS, RayCounts};
+use crate::integrator::{FILM, Gatherer, LENS, RayCounts, Record, Recorder};
 use crate::sampler::{PathPoints, Sampler, pairs};
 use crate::scene::Scene;
 use crate::scene::description::FilmDescription;
@@ -138,6 +138,42 @@ pub fn with_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) ->
     }
 }
 
+/// Some samples of one pixel, and all that happened to them.
+pub(crate) struct Replayed<'a> {
+    /// Their numbers in the picture.
+    pub samples: Range<u32>,
+    /// The weight of each under the filter; 0 if it was dropped.
+    pub weights: &'a [f32],
+    /// What happened.
+    pub record: &'a Record,
+}
+
+/// Takes these samples of the pixel in column `x`, row `y` as [`render`] does, and shows them to `observe`, a pass at a
+/// time. Returns the pixel's linear RGBA.
+pub(crate) fn replay(
+    scene: &Scene,
+    [x, y]: [u32; 2],
+    samples: Range<u32>,
+    mut observe: impl FnMut(Replayed<'_>),
+) -> [f32; 4] {
+    let crop = Some(Crop { x, y, width: 1, height: 1 });
+    let options = RenderOptions { crop, ..RenderOptions::default() };
+    let render = Render::new(scene, &options, &|_| ControlFlow::Continue(()));
+    let (mut film, mut worker) = (Film::new(render.origin, render.size), Worker::default());
+    let mut record = Record::default();
+    for first in samples.clone().step_by(PASS as usize) {
+        let samples = first..samples.end.min(first + PASS);
+        record.clear();
+        for tile in film.tiles_mut() {
+            let (samples, worker, recorder) = (samples.clone(), &mut worker, &mut record);
+            // One pixel is no work that would need a processor's own instructions.
+            TilePass { render: &render, tile, samples, half: None, worker, recorder }.take();
+        }
+        observe(Replayed { samples, weights: &worker.weights, record: &record });
+    }
+    film.image().pixels()[0]
+}
+
 struct Render<'a> {
     scene: &'a Scene,
     options: RenderOptions,
@@ -259,7 +295,15 @@ impl<'a> Render<'a> {
             }
             let samples = start..samples.end.min(start + PASS);
             taken += pixels * samples.len() as u64;
-            self.scene.level().run(TilePass { render: self, tile, samples, half, worker });
+            let recorder = &mut ();
+            self.scene.level().run(TilePass {
+                render: self,
+                tile,
+                samples,
+                half,
+                worker,
+                recorder,
+            });
         }
         self.report(worker, taken);
     }
@@ -340,22 +384,30 @@ fn judge_again(samples: u32, above: f64) -> u32 {
 }
 
 /// One pass over one tile, with all its stages compiled for the processor's level.
-struct TilePass<'a> {
+struct TilePass<'a, R> {
     render: &'a Render<'a>,
     tile: &'a mut Tile,
     samples: Range<u32>,
     /// The half of the picture that they belong to, where halves take turns.
     half: Option<Half>,
     worker: &'a mut Worker,
+    recorder: &'a mut R,
 }
 
-impl Kernel for TilePass<'_> {
+impl<R: Recorder> Kernel for TilePass<'_, R> {
     type Output = ();
 
-    /// Adds the samples to every pixel of the tile.
     #[inline(always)]
     fn run<S: Simd>(self, _: S) {
-        let Self { render, tile, samples, half, worker } = self;
+        self.take();
+    }
+}
+
+impl<R: Recorder> TilePass<'_, R> {
+    /// Takes the samples of every pixel of the tile.
+    #[inline(always)]
+    fn take(self) {
+        let Self { render, tile, samples, half, worker, recorder } = self;
         let (camera, film) = (render.scene.camera(), render.scene.film());
         let Worker { pixels, points, film_points, lens_points, rays, weights, .. } = worker;
         pixels.clear();
@@ -381,10 +433,12 @@ impl Kernel for TilePass<'_> {
             weights.push(weight);
         }
         let count = samples.len();
-        let samples = worker.gatherer.gather(render.scene, film.transparent, rays, points);
-        for ((sample, &(pixel, half)), &weight) in samples.iter().zip(&*pixels).zip(&*weights) {
-            if !tile.add(pixel, sample, weight, half) {
+        let samples =
+            worker.gatherer.gather(render.scene, film.transparent, rays, points, recorder);
+        for ((sample, &(pixel, half)), weight) in samples.iter().zip(&*pixels).zip(weights) {
+            if !tile.add(pixel, sample, *weight, half) {
                 worker.dropped.get_or_insert((tile.place(pixel), 0)).1 += 1;
+                *weight = 0.0;
             }
         }
         tile.samples += count as u32;
@@ -409,7 +463,7 @@ struct Worker {
     /// Where each path crosses the film, and the lens if that matters: pairs of numbers in 0..1.
     film_points: Vec<Vec2>,
     lens_points: Vec<Vec2>,
-    /// Each path's first ray and its weight under the filter.
+    /// Each path's first ray and its weight under the filter, 0 if its sample was dropped.
     rays: Vec<Ray>,
     weights: Vec<f32>,
     gatherer: Gatherer,

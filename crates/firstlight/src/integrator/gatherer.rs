@@ -3,6 +3,7 @@
 use super::RayCounts;
 use super::direct::{self, Direct};
 use super::path::{self, Occlusion, Path};
+use super::record::Recorder;
 use crate::film::Sample;
 use crate::geometry::Ray;
 use crate::sampler::PathPoints;
@@ -33,6 +34,16 @@ impl<'a> Way<'a> {
     }
 }
 
+impl Way<'_> {
+    /// Whether every light is asked at a path's point with this number, or one for all.
+    pub(crate) fn asks_all(&self, bounce: u32) -> bool {
+        match self {
+            Self::Paths(path) => path.asks_all(bounce),
+            Self::Sum(_) | Self::Occlusion(_) => true,
+        }
+    }
+}
+
 /// What one worker needs to gather light; its buffers are reused from batch to batch.
 #[derive(Default)]
 pub(crate) struct Gatherer {
@@ -42,7 +53,7 @@ pub(crate) struct Gatherer {
 
 impl Gatherer {
     /// Radiance along each of `rays`, one sample each by its `points`. With `transparent`, what lies behind all surfaces
-    /// counts as nothing.
+    /// counts as nothing. `recorder` is told what happens.
     #[inline(always)]
     pub(crate) fn gather(
         &mut self,
@@ -50,14 +61,17 @@ impl Gatherer {
         transparent: bool,
         rays: &[Ray],
         points: &[PathPoints],
+        recorder: &mut impl Recorder,
     ) -> &[Sample] {
         match Way::of(scene, transparent) {
             Way::Sum(direct) => {
-                direct.gather(rays, &mut self.direct);
+                direct.gather(rays, &mut self.direct, recorder);
                 return &self.direct.samples;
             }
-            Way::Paths(path) => path.gather(rays, points, &mut self.path),
-            Way::Occlusion(occlusion) => occlusion.gather(rays, points, &mut self.path),
+            Way::Paths(path) => path.gather(rays, points, &mut self.path, recorder),
+            Way::Occlusion(occlusion) => {
+                occlusion.gather(rays, points, &mut self.path, recorder);
+            }
         }
         &self.path.samples
     }

@@ -10,8 +10,9 @@ mod interaction;
 mod lights;
 mod material;
 mod studio;
+mod values;
 
-pub(crate) use filter::{Meets, OnlyPanes, SeenByCamera, StopsLight};
+pub(crate) use filter::{Everything, Meets, OnlyPanes, SeenByCamera, StopsLight};
 pub use framing::{bounds, frame};
 pub(crate) use lights::{LocalLight, LocalLights};
 pub(crate) use material::Boundary;
@@ -47,6 +48,10 @@ pub struct Scene {
     pub(crate) local_lights: LocalLights,
     /// Round lights infinitely far away.
     pub(crate) suns: Vec<Sun>,
+    /// Of the lights, round lights and suns, their places in the description.
+    pub(crate) light_numbers: Vec<u32>,
+    pub(crate) round_numbers: Vec<u32>,
+    pub(crate) sun_numbers: Vec<u32>,
     /// Light from directions that hit nothing, and whether the camera sees it.
     pub(crate) environment: Option<(Environment, bool)>,
     /// Whether nothing shines but points and what is as good as a point, and nothing mirrors: what the lecture has.
