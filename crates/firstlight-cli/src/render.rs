@@ -330,7 +330,10 @@ impl Done<'_> {
         let output = self.output.name();
         let samples = report::samples(rendered.samples, rendered.spread);
         let noise = report::noise(rendered.noise, !self.args.is_endless());
-        format!("{what} {output}: {width}×{height}, {samples}{noise}{exposure}, {time}, {rate}")
+        let clamped = report::clamped(&self.scene, rendered.clamped);
+        format!(
+            "{what} {output}: {width}×{height}, {samples}{noise}{clamped}{exposure}, {time}, {rate}"
+        )
     }
 
     fn json(&self) -> Value {
@@ -348,6 +351,7 @@ impl Done<'_> {
             },
             "interrupted": rendered.interrupted,
             "noise": report::noise_json(rendered.noise, !self.args.is_endless()),
+            "clamped": scene.film.clamp.map(|_| rendered.clamped),
             "seconds": self.clock.json(),
             "rays": {
                 "camera": rendered.rays.camera,

@@ -3,7 +3,7 @@
 use firstlight::diagnostic::{Diagnostic, visible};
 use firstlight::render::Progress;
 use firstlight::units;
-use firstlight::{Noise, Spread};
+use firstlight::{Noise, SceneDescription, Spread};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::{Value, json};
 use std::fmt::Display;
@@ -137,6 +137,16 @@ pub(crate) fn noise(noise: Option<Noise>, at_most: bool) -> String {
         Some(percent) if percent < 0.01 => format!(", noise {bound}0.01 %"),
         Some(percent) if percent < 1.0 => format!(", noise {bound}{percent:.2} %"),
         Some(percent) => format!(", noise {bound}{percent:.1} %"),
+    }
+}
+
+/// What clamping has removed, after a comma, if it was asked for.
+pub(crate) fn clamped(scene: &SceneDescription, part: f64) -> String {
+    match scene.film.clamp {
+        Some(bound) => {
+            format!(", {:.2} % of all light removed by clamping at {bound}", 100.0 * part)
+        }
+        None => String::new(),
     }
 }
 

@@ -1,7 +1,7 @@
 //! A whole picture: passes over tiles over threads.
 
 use crate::color::luminance;
-use crate::film::{Film, FilterSampler, Half, Noise, Spread, Tile};
+use crate::film::{Film, FilterSampler, Half, Noise, Sample, Spread, Tile};
 use crate::geometry::Ray;
 use crate::image::Image;
 use crate::integrator::{FILM, Gatherer, LENS, RayCounts, Record, Recorder};
@@ -77,6 +77,8 @@ pub struct Rendered {
     pub spread: Spread,
     /// Whether it was stopped before all samples were taken and before it was good enough.
     pub interrupted: bool,
+    /// The part of all light that the film's clamping has left out, 0..1.
+    pub clamped: f64,
     /// How noisy it is; `None` if there are too few samples to tell.
     pub noise: Option<Noise>,
     /// The sums that the picture is made of.
@@ -101,6 +103,7 @@ impl Rendered {
             samples,
             spread: Spread { fewest: samples, mean: samples.into(), most: samples },
             interrupted: false,
+            clamped: film.clamped(),
             noise: film.noise(),
             film,
             rays: RayCounts::default(),
@@ -435,12 +438,14 @@ impl<R: Recorder> TilePass<'_, R> {
         let count = samples.len();
         let samples =
             worker.gatherer.gather(render.scene, film.transparent, rays, points, recorder);
-        for ((sample, &(pixel, half)), weight) in samples.iter().zip(&*pixels).zip(weights) {
+        for ((sample, &(pixel, half)), weight) in samples.iter().zip(&*pixels).zip(&mut *weights) {
             if !tile.add(pixel, sample, *weight, half) {
                 worker.dropped.get_or_insert((tile.place(pixel), 0)).1 += 1;
                 *weight = 0.0;
             }
         }
+        let clamped = |(sample, weight): (&Sample, &f32)| f64::from(sample.clamped * weight);
+        tile.clamped += samples.iter().zip(&*weights).map(clamped).sum::<f64>();
         tile.samples += count as u32;
         if let Some(half) = half {
             for (samples, pixels) in samples.chunks(count).zip(pixels.chunks(count)) {

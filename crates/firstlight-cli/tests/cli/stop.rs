@@ -49,3 +49,17 @@ fn noise_ends_a_render_when_it_is_low_enough() {
     assert!((32..40).contains(&samples), "{samples}");
     folder.run("render scene.toml --noise 1% --samples 0..4 -o a.exr").fails(2, &["--noise"]);
 }
+
+#[test]
+fn what_clamping_removes_is_reported() {
+    let folder = Folder::new();
+    let line = format!("render scene.toml --clamp 0.01 {PATH} -o a.png");
+    let clamped = folder.run(&format!("{line} --json")).done().json()["clamped"].as_f64().unwrap();
+    assert!(clamped > 0.0 && clamped < 1.0, "{clamped}");
+    let told = folder.run(&line).done().stderr;
+    assert!(told.contains(" % of all light removed by clamping at 0.01"), "{told}");
+    let free = folder.run(&format!("render scene.toml {PATH} -o b.png --json")).done().json();
+    assert!(free["clamped"].is_null());
+    folder.run("render scene.toml --clamp 0 -o a.png").fails(2, &["--clamp", "greater than 0"]);
+    folder.run("render scene.toml -D film.clamp=-1 -o a.png").fails(2, &["greater than 0"]);
+}

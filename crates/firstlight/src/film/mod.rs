@@ -22,6 +22,15 @@ pub(crate) struct Sample {
     pub radiance: Rgb,
     /// 0 where the background shows and counts as transparent, else 1.
     pub alpha: f32,
+    /// Luminance that was left out because the film wants no indirect light above a bound, W·sr⁻¹·m⁻².
+    pub clamped: f32,
+}
+
+impl Sample {
+    /// Such light, of which nothing was left out.
+    pub(crate) fn of(radiance: Rgb) -> Self {
+        Self { radiance, alpha: 1.0, clamped: 0.0 }
+    }
 }
 
 /// Half of the samples. What the halves differ by tells how much is left to chance.
@@ -185,7 +194,20 @@ impl Film {
                 pixel.merge(other);
             }
             tile.samples += other.samples;
+            tile.clamped += other.clamped;
         }
+    }
+
+    /// The part of all light, by luminance, that was left out by clamping.
+    pub(crate) fn clamped(&self) -> f64 {
+        let removed = |tile: &Tile| tile.clamped / f64::from(tile.samples.max(1));
+        let removed: f64 = self.tiles.iter().map(removed).sum();
+        let kept = |tile: &Tile| {
+            let kept = (0..tile.pixels.len()).filter_map(|index| tile.mean_luminance(index));
+            kept.sum::<f64>()
+        };
+        let kept: f64 = self.tiles.iter().map(kept).sum();
+        if removed > 0.0 { removed / (removed + kept) } else { 0.0 }
     }
 
     /// How many samples its pixels have.
@@ -258,6 +280,8 @@ pub(crate) struct Tile {
     second: Vec<Pixel>,
     /// Samples of each pixel.
     pub samples: u32,
+    /// Luminance that was left out of all of them.
+    pub clamped: f64,
     /// What the halves know of their noise, where that is asked for.
     pub watches: [Watch; 2],
 }
@@ -289,6 +313,7 @@ impl Tile {
                 pixels,
                 second: Vec::new(),
                 samples: 0,
+                clamped: 0.0,
                 watches: Default::default(),
             }
         };
@@ -316,6 +341,13 @@ impl Tile {
             (Some(first), Some(second)) => mean_color(first, second),
             (one, other) => one.or(other).unwrap_or_default(),
         }
+    }
+
+    /// A pixel's luminance; `None` if it has no samples.
+    fn mean_luminance(&self, index: usize) -> Option<f64> {
+        let halves = [Some(&self.pixels[index]), self.second.get(index)];
+        let [first, second] = halves.map(|half| half.and_then(Pixel::mean_luminance));
+        first.map(|first| second.map_or(first, |second| 0.5 * (first + second)))
     }
 
     /// A pixel's luminance and its variance; see [`Pixel::luminance`].

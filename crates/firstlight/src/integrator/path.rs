@@ -214,7 +214,7 @@ impl<'a> Path<'a> {
                     samples[walk.sample as usize].alpha = 0.0;
                 } else {
                     for (source, radiance) in self.behind_all(bounce, walk, ray) {
-                        add(samples, recorder, walk.gain(bounce, source, radiance));
+                        add(self.scene, samples, recorder, walk.gain(bounce, source, radiance));
                     }
                 }
                 continue;
@@ -247,7 +247,7 @@ impl<'a> Path<'a> {
                 if emitted != Rgb::ZERO {
                     let weight = self.weight_of_emission(&walk, &surface);
                     let source = Source::Surface(hit.surface);
-                    add(samples, recorder, walk.gain(bounce, source, emitted * weight));
+                    add(self.scene, samples, recorder, walk.gain(bounce, source, emitted * weight));
                 }
                 if bounce == self.bounces {
                     continue;
@@ -260,7 +260,7 @@ impl<'a> Path<'a> {
                     let reflected = reflected.unwrap_or(scattered);
                     let gain =
                         walk.reflected(bounce, Source::Ambient, reflected * self.scene.ambient);
-                    add(samples, recorder, gain);
+                    add(self.scene, samples, recorder, gain);
                 }
             }
             vertex.lobes.end = lobes.len() as u32;
@@ -435,7 +435,7 @@ impl<'a> Path<'a> {
         shadows.clear();
         for vertex in vertices.iter() {
             if let Some(answer) = light(vertex, lobes) {
-                shadows.ask(&answer.at(vertex, bounce), samples, recorder);
+                shadows.ask(self.scene, &answer.at(vertex, bounce), samples, recorder);
             }
         }
         shadows.settle(self.scene, 0, samples, counts, recorder);
@@ -510,7 +510,7 @@ impl Scratch {
         self.lobes.clear();
         self.on_surface.clear();
         self.samples.clear();
-        self.samples.resize(count, Sample { radiance: Rgb::ZERO, alpha: 1.0 });
+        self.samples.resize(count, Sample::of(Rgb::ZERO));
     }
 }
 

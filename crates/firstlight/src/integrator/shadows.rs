@@ -35,6 +35,7 @@ impl ShadowRays {
     #[inline(always)]
     pub(super) fn ask(
         &mut self,
+        scene: &Scene,
         asked: &Asked,
         samples: &mut [Sample],
         recorder: &mut impl Recorder,
@@ -45,7 +46,7 @@ impl ShadowRays {
                 self.rays.push(ray);
                 self.awaited.push(Awaited { gain: asked.gain, number });
             }
-            None => add(samples, recorder, asked.gain),
+            None => add(scene, samples, recorder, asked.gain),
         }
     }
 
@@ -71,7 +72,7 @@ impl ShadowRays {
             let passed = panes::tint(scene, ray, repetition);
             recorder.answer(awaited.number, passed);
             let radiance = awaited.gain.radiance * passed;
-            add(samples, recorder, Gain { radiance, ..awaited.gain });
+            add(scene, samples, recorder, Gain { radiance, ..awaited.gain });
         }
     }
 }

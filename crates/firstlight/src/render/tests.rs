@@ -78,3 +78,29 @@ fn threads_do_not_change_where_samples_go() {
     assert_eq!(one.spread, many.spread);
     assert!(one.spread.most > one.spread.fewest, "{:?}", one.spread);
 }
+
+/// What is kept and what is said to be removed are all that there was; light that was scattered once stays as it is.
+#[test]
+fn clamping_says_what_it_removes() {
+    let mut description = scene_for_paths(0.8);
+    description.materials[0] = glowing(1.0, 0.8);
+    add(&mut description, cube(DVec3::ZERO, 2.0));
+    let view = Projection::Perspective { vertical_fov: 1.0 };
+    description.cameras.push(camera(DVec3::ZERO, DVec3::X, view));
+    description.film = FilmDescription { width: 16, height: 16, samples: 64, ..description.film };
+    let mut seen = |clamp: Option<f64>, bounces: Option<u32>| {
+        description.integrator = Integrator::Path { bounces };
+        description.film.clamp = clamp;
+        let rendered = picture(&description);
+        (rendered.noise.map_or(0.0, |noise| noise.mean), rendered.clamped)
+    };
+    let (all, none) = seen(None, None);
+    assert_eq!(none, 0.0);
+    let (once, nothing) = seen(Some(1e-9), Some(1));
+    assert_eq!((once, nothing), (seen(None, Some(1)).0, 0.0));
+    let (kept, removed) = seen(Some(0.1), None);
+    assert!(removed > 0.05 && kept > once, "{removed} {kept}");
+    assert!((kept / (1.0 - removed) / all - 1.0).abs() < 1e-5, "{kept} {removed} {all}");
+    let (least, most) = seen(Some(1e-9), None);
+    assert!((least / once - 1.0).abs() < 1e-5 && most > removed, "{least} {once} {most}");
+}
