@@ -46,6 +46,11 @@ impl Bounce {
         self.0 + 4
     }
 
+    /// How far it goes in a medium until it arrives there.
+    pub(super) fn flight(self) -> u32 {
+        self.0 + 5
+    }
+
     /// The place on the sun with this number.
     pub(super) fn sun(self, number: u32) -> u32 {
         self.0 + Self::SUNS + number % (Self::LIGHTS - Self::SUNS)

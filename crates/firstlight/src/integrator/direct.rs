@@ -2,6 +2,7 @@
 //!
 //! Batches of rays go through the stages in the lecture's order; each stage takes slices and fills vectors.
 
+use super::media::Media;
 use super::record::{Asked, Followed, Gain, Recorder, Source, add};
 use super::shadows::ShadowRays;
 use crate::color::Rgb;
@@ -274,7 +275,7 @@ impl<'a> Direct<'a> {
             let ray = shadows.then(|| sample.ray_from(point.position.as_vec3(), start, t_min));
             let passed = Rgb::ONE;
             let asked = Asked { gain, ray, incoming, scattered, irradiance, passed };
-            shadow_rays.ask(self.scene, &asked, samples, recorder);
+            shadow_rays.ask(self.scene, &asked, Media::default(), samples, recorder);
         }
     }
 }

@@ -54,7 +54,7 @@ pub fn pane(index: f32) -> Material {
 
 /// Clear glass, or anything solid and smooth of that index and absorption per channel, m⁻¹.
 pub fn clear(index: f32, absorption: Rgb) -> Material {
-    let interior = Some(Interior { index, dispersion: 0.0, absorption, priority: 0 });
+    let interior = Some(Interior { absorption, ..Interior::clear(index) });
     let facets = Facets::of(Scalar::constant(0.0));
     let scattering = Scattering::Dielectric { facets };
     Material { scattering, interior, ..Material::matte("clear", Rgb::ONE) }

@@ -14,6 +14,7 @@ mod film;
 mod light;
 mod luminaire;
 mod material;
+mod medium;
 mod overrides;
 mod pictures;
 mod substance;
@@ -40,6 +41,7 @@ use environment::{EnvironmentKeys, IntegratorKeys};
 use film::FilmKeys;
 use light::LightKeys;
 use material::MaterialKeys;
+use medium::MediumKeys;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use surface::SurfaceKeys;
@@ -134,6 +136,8 @@ struct SceneKeys {
     background: Color,
     /// Light from directions that hit nothing. Default: none.
     environment: Option<At<EnvironmentKeys>>,
+    /// What is everywhere where no solid is, such as fog. Default: nothing.
+    medium: Option<MediumKeys>,
     /// How light is gathered. Default "direct".
     integrator: IntegratorKeys,
     /// Lumens per watt, to convert between light as seen and its energy. Default 683.
@@ -164,6 +168,7 @@ impl Default for SceneKeys {
             up: UpAxis::default(),
             background: Color(Rgb::ZERO),
             environment: None,
+            medium: None,
             integrator: IntegratorKeys::default(),
             luminous_efficacy: Efficacy(LuminousEfficacy::default().0),
             shadows: Shadows::default(),
