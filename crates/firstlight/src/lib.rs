@@ -48,6 +48,7 @@ mod image;
 mod integrator;
 pub mod io;
 mod kernels;
+pub mod layers;
 mod math;
 pub mod render;
 mod sampler;

@@ -4,6 +4,7 @@ use crate::film::{Film, FilterSampler, Half, Noise, Tile};
 use crate::geometry::Ray;
 use crate::image::Image;
 use crate::integrator::{FILM, Gatherer, LENS, RayCounts, Record, Recorder};
+use crate::layers::{LightLayers, LightTile, Taken};
 use crate::sampler::{PathPoints, Sampler, pairs};
 use crate::scene::Scene;
 use crate::scene::description::FilmDescription;
@@ -122,7 +123,19 @@ pub fn render(
     options: &RenderOptions,
     observe: &(dyn Fn(Progress) -> ControlFlow<Stop> + Sync),
 ) -> Rendered {
-    with_threads(options.threads, || Render::new(scene, options, observe).run())
+    with_threads(options.threads, || Render::new(scene, options, observe).run::<()>().0)
+}
+
+/// The same, with the light of each source kept apart.
+pub fn render_layers(
+    scene: &Scene,
+    options: &RenderOptions,
+    observe: &(dyn Fn(Progress) -> ControlFlow<Stop> + Sync),
+) -> (Rendered, LightLayers) {
+    let render = Render::new(scene, options, observe);
+    let (rendered, tiles) = with_threads(options.threads, || render.run());
+    let layers = LightLayers::new(scene, render.origin, render.size, tiles);
+    (rendered, layers)
 }
 
 /// Does `work`, such as building a scene, with so many worker threads; 0: one per processor.
@@ -162,8 +175,7 @@ pub(crate) fn replay(
         record.clear();
         for tile in film.tiles_mut() {
             let (samples, worker, recorder) = (samples.clone(), &mut worker, &mut record);
-            // One pixel is no work that would need a processor's own instructions.
-            TilePass { render: &render, tile, samples, worker, recorder }.take();
+            take_recorded(&render, tile, samples, worker, recorder);
         }
         observe(Replayed { samples, weights: &worker.weights, record: &record });
     }
@@ -221,13 +233,15 @@ impl<'a> Render<'a> {
         }
     }
 
-    fn run(&self) -> Rendered {
+    fn run<K: Keeper>(&self) -> (Rendered, Vec<K>) {
         let mut film = Film::new(self.origin, self.size);
+        let mut keepers: Vec<K> =
+            film.tiles_mut().iter().map(|tile| K::of(self.scene, tile)).collect();
         let [first, end] = self.samples;
         let (mut next, mut judged_at, mut good) = (first, FEWEST_TO_JUDGE, false);
         while next < end && !good && self.tally().stop.is_none() {
             let pass = next..end.min(next + PASS);
-            self.pass(film.tiles_mut(), pass.clone());
+            self.pass(film.tiles_mut(), &mut keepers, pass.clone());
             if self.tally().stop != Some(Stop::Now) || self.passes_done() {
                 next = pass.end;
             }
@@ -238,7 +252,7 @@ impl<'a> Render<'a> {
             }
         }
         let tally = self.tally();
-        Rendered {
+        let rendered = Rendered {
             interrupted: next < end && !good && tally.stop != Some(Stop::AfterPass),
             rays: tally.rays,
             surface_rays: tally.surface_rays,
@@ -246,16 +260,17 @@ impl<'a> Render<'a> {
             dropped: tally.dropped,
             first_dropped: tally.first_dropped,
             ..Rendered::of_film(film, next - first)
-        }
+        };
+        drop(tally);
+        (rendered, keepers)
     }
 
     /// Takes samples of every pixel.
-    fn pass(&self, tiles: &mut [Tile], samples: Range<u32>) {
-        tiles.par_iter_mut().for_each_init(Worker::default, |worker, tile| {
+    fn pass<K: Keeper>(&self, tiles: &mut [Tile], keepers: &mut [K], samples: Range<u32>) {
+        let tiles = tiles.par_iter_mut().zip(keepers);
+        tiles.for_each_init(Worker::default, |worker, (tile, keeper)| {
             if self.tally().stop != Some(Stop::Now) {
-                let level = self.scene.level();
-                let (samples, recorder) = (samples.clone(), &mut ());
-                level.run(TilePass { render: self, tile, samples, worker, recorder });
+                keeper.take(self, tile, samples.clone(), worker);
                 self.report(worker);
             }
         });
@@ -332,6 +347,73 @@ fn judge_again(samples: u32, above: f64) -> u32 {
     let needed = f64::from(samples) * above * above;
     let next = needed.clamp(f64::from(samples + 2 * PASS), 2.0 * f64::from(samples));
     (next as u32).next_multiple_of(2 * PASS)
+}
+
+/// Takes samples of a tile, and keeps what it wants to know of them besides their sums.
+trait Keeper: Send {
+    /// For a tile that has no samples yet.
+    fn of(scene: &Scene, tile: &Tile) -> Self;
+
+    /// Takes the samples.
+    fn take(
+        &mut self,
+        render: &Render<'_>,
+        tile: &mut Tile,
+        samples: Range<u32>,
+        worker: &mut Worker,
+    );
+}
+
+/// Keeps nothing.
+impl Keeper for () {
+    fn of(_: &Scene, _: &Tile) {}
+
+    fn take(
+        &mut self,
+        render: &Render<'_>,
+        tile: &mut Tile,
+        samples: Range<u32>,
+        worker: &mut Worker,
+    ) {
+        let recorder = &mut ();
+        render.scene.level().run(TilePass { render, tile, samples, worker, recorder });
+    }
+}
+
+impl Keeper for LightTile {
+    fn of(scene: &Scene, tile: &Tile) -> Self {
+        Self::new(scene, tile.pixels.len())
+    }
+
+    fn take(
+        &mut self,
+        render: &Render<'_>,
+        tile: &mut Tile,
+        samples: Range<u32>,
+        worker: &mut Worker,
+    ) {
+        let mut record = Record::default();
+        take_recorded(render, tile, samples, worker, &mut record);
+        let pixels = worker.pixels.iter().map(|&(pixel, _)| pixel);
+        let samples: Vec<Taken> = pixels
+            .zip(&worker.weights)
+            .zip(worker.gatherer.samples(render.scene))
+            .map(|((pixel, &weight), sample)| Taken { pixel, weight, sample: *sample })
+            .collect();
+        self.add(&samples, &record);
+    }
+}
+
+/// Takes samples of a tile and records all that happens, with instructions that every processor has: to compile all
+/// stages for this once more at each level would not pay.
+fn take_recorded(
+    render: &Render<'_>,
+    tile: &mut Tile,
+    samples: Range<u32>,
+    worker: &mut Worker,
+    recorder: &mut Record,
+) {
+    TilePass { render, tile, samples, worker, recorder }.take();
 }
 
 /// One pass over one tile, with all its stages compiled for the processor's level.

@@ -15,6 +15,7 @@ const LAYERS: &[&[&str]] = &[
     &["bvh", "shading"],
     &["scene"],
     &["integrator"],
+    &["layers"],
     &["render"],
     &["explain", "verify"],
     &["io"],

@@ -137,7 +137,10 @@ fn dark_pixels_have_causes() {
             "faces_away",
         ),
         (vec!["surfaces.floor.quad.corner=[5, 5, 0]"], "background"),
-        (vec!["materials.grey.lambert.emission=0.4", "lights.key.point.intensity=0.01"], "emission"),
+        (
+            vec!["materials.grey.lambert.emission=0.4", "lights.key.point.intensity=0.01"],
+            "emission",
+        ),
         (vec![], "lit"),
     ];
     for (more, kind) in cases {

@@ -4,8 +4,9 @@
 use super::{Answer, Path, Scratch, Vertex};
 use crate::color::Rgb;
 use crate::geometry::Ray;
+use crate::integrator::Source;
 use crate::integrator::dimensions::Bounce;
-use crate::integrator::record::{Recorder, Source, add};
+use crate::integrator::record::{Recorder, add};
 use crate::sampler::PathPoints;
 use crate::scene::Scene;
 use crate::shading::bsdf::{Kind, Lobe};
