@@ -2,7 +2,7 @@
 
 use super::RayCounts;
 use super::direct::{self, Direct};
-use super::path::{self, Occlusion, Path};
+use super::path::{self, Clarity, Occlusion, Path};
 use super::record::Recorder;
 use crate::color::Rgb;
 use crate::film::Sample;
@@ -20,6 +20,8 @@ pub(crate) enum Way<'a> {
     Paths(Path<'a>),
     /// What the sky would give.
     Occlusion(Occlusion<'a>),
+    /// What shows shapes best.
+    Clarity(Clarity<'a>),
 }
 
 impl<'a> Way<'a> {
@@ -32,6 +34,9 @@ impl<'a> Way<'a> {
             Integrator::AmbientOcclusion { distance } => {
                 Self::Occlusion(Occlusion::new(scene, transparent, distance))
             }
+            Integrator::Clarity { distance, lines, section } => {
+                Self::Clarity(Clarity::new(scene, transparent, distance, lines, section))
+            }
         }
     }
 }
@@ -41,7 +46,7 @@ impl Way<'_> {
     pub(crate) fn asks_all(&self, bounce: u32) -> bool {
         match self {
             Self::Paths(path) => path.asks_all(bounce),
-            Self::Sum(_) | Self::Occlusion(_) => true,
+            Self::Sum(_) | Self::Occlusion(_) | Self::Clarity(_) => true,
         }
     }
 }
@@ -61,6 +66,7 @@ impl Way<'_> {
             Self::Sum(direct) => return direct.irradiance(position, normal, sums),
             Self::Paths(path) => path.irradiance(position, normal, points, paths),
             Self::Occlusion(occlusion) => occlusion.irradiance(position, normal, points, paths),
+            Self::Clarity(clarity) => clarity.irradiance(position, normal, points, paths),
         }
         let sum: DVec3 = paths.samples.iter().map(|sample| sample.radiance.as_dvec3()).sum();
         (sum / points.len() as f64).as_vec3()
@@ -94,6 +100,7 @@ impl Gatherer {
         match Way::of(scene, transparent) {
             Way::Sum(direct) => direct.gather(rays, &mut self.direct, recorder),
             Way::Paths(path) => path.gather(rays, points, &mut self.path, recorder),
+            Way::Clarity(clarity) => clarity.gather(rays, points, &mut self.path, recorder),
             Way::Occlusion(occlusion) => {
                 occlusion.gather(rays, points, &mut self.path, recorder);
             }
@@ -106,7 +113,7 @@ impl Gatherer {
     pub(crate) fn samples(&self, scene: &Scene) -> &[Sample] {
         match Way::of(scene, false) {
             Way::Sum(_) => &self.direct.samples,
-            Way::Paths(_) | Way::Occlusion(_) => &self.path.samples,
+            _ => &self.path.samples,
         }
     }
 
@@ -122,7 +129,7 @@ impl Gatherer {
     pub(crate) fn seen(&self, scene: &Scene) -> (u64, f32) {
         match Way::of(scene, false) {
             Way::Sum(_) => self.direct.seen(),
-            Way::Paths(_) | Way::Occlusion(_) => self.path.seen(),
+            _ => self.path.seen(),
         }
     }
 }
