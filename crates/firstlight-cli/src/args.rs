@@ -2,14 +2,16 @@
 
 use crate::measure::Requests;
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use firstlight::color::View;
+use firstlight::color::{Rgb, View};
 use firstlight::io::scene_file::Override;
 use firstlight::io::{BitDepth, Format, Precision};
+use firstlight::layers::Layer;
 use firstlight::render::Crop;
-use firstlight::scene::description::{Exposure, FilmDescription};
+use firstlight::scene::description::{Exposure, FilmDescription, Section};
 use firstlight::units::{Dimension, Measure, Quantity};
 use firstlight::verify::GROUPS;
-use firstlight::{BuildQuality, Level};
+use firstlight::{BuildQuality, Level, Look};
+use glam::DVec3;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -47,6 +49,8 @@ pub(crate) enum Command {
     Measure(MeasureArgs),
     /// Make one picture of the parts that render --samples has written
     Merge(MergeArgs),
+    /// Mix the lights of a picture again that render --aov light has written
+    Relight(RelightArgs),
     /// Measure scenes whose light is known from a formula, and say whether it is right
     Verify(VerifyArgs),
 }
@@ -85,6 +89,14 @@ pub(crate) struct PictureArgs {
     /// How bright light is brought into what screens show [default: srgb, cut off at white]
     #[arg(long, value_name = "srgb|neutral|agx|aces|filmic|raw", value_parser = view)]
     pub view: Option<View>,
+    /// What the picture is for: clarity (shape, CAD), balanced (games), real (every way of light) [default: as the scene
+    /// says]
+    #[arg(long, value_name = "clarity|balanced|real", value_parser = look)]
+    pub look: Option<Look>,
+    /// For --look clarity: cut away what lies before the plane through a point, on the side of its normal
+    #[arg(long, value_name = "X,Y,Z,NX,NY,NZ", value_parser = section, requires = "look")]
+    #[arg(allow_hyphen_values = true)]
+    pub section: Option<Section>,
     /// Make the background transparent
     #[arg(long)]
     pub transparent: bool,
@@ -129,6 +141,9 @@ pub(crate) struct RenderArgs {
     /// Render only this part of the picture, in pixels from its upper left corner
     #[arg(long, value_name = "X,Y,W,H", value_parser = crop, allow_hyphen_values = true)]
     pub crop: Option<Crop>,
+    /// Layers to write beside the colour into an .exr file, such as depth,normal,light, or all; see docs/layers.md
+    #[arg(long, value_name = "LAYERS", value_parser = layers, conflicts_with = "samples")]
+    pub aov: Option<Layers>,
     /// Print a report as JSON on standard output
     #[arg(long)]
     pub json: bool,
@@ -218,12 +233,46 @@ Examples:
   firstlight render scene.toml --spp 64 --samples 32..64 -o b.exr
   firstlight merge a.exr b.exr -o picture.png";
 
+#[derive(Debug, Args)]
+#[command(after_help = RELIGHT_EXAMPLES)]
+pub(crate) struct RelightArgs {
+    /// A picture with layers of light (.exr), from render --aov light
+    #[arg(value_name = "LAYERS")]
+    pub layers: PathBuf,
+    #[command(flatten)]
+    pub output: OutputArgs,
+    /// A light and what its light is multiplied by: a number, a colour, or off; may be repeated
+    #[arg(long, value_name = "NAME=FACTOR", value_parser = relit)]
+    pub light: Vec<(String, Rgb)>,
+    /// Keep only these lights; may be repeated
+    #[arg(long, value_name = "NAME", conflicts_with = "light")]
+    pub only: Vec<String>,
+    /// Stops of exposure, or auto [default: as the picture was to be shown]
+    #[arg(long, value_name = "EV|auto", value_parser = exposure, allow_hyphen_values = true)]
+    pub exposure: Option<Exposure>,
+    /// How bright light is shown [default: srgb]
+    #[arg(long, value_name = "srgb|neutral|agx|aces|filmic|raw", value_parser = view)]
+    pub view: Option<View>,
+    /// Print nothing but errors and warnings
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+const RELIGHT_EXAMPLES: &str = "\
+Nothing is rendered: light adds up, and so do its layers.
+
+Examples:
+  firstlight render scene.toml --aov light -o layers.exr
+  firstlight relight layers.exr --light key=0.5 --light fill=off --exposure 1 -o dusk.png
+  firstlight relight layers.exr --light key=#ffd9a0 -o warm.png";
+
 const RENDER_EXAMPLES: &str = "\
 Examples:
   firstlight render scene.toml
   firstlight render scene.toml -o out.exr --spp 64 -D film.filter=mitchell
   firstlight render chair.glb --azimuth 60 --elevation 15 --ground off --transparent
   firstlight render part.stl --unit mm --key '10 klx' --headlight off
+  firstlight render part.stl --look clarity --section 0,0,0,1,0,0
   firstlight render scene.toml --time 30s
   firstlight render scene.toml --noise 2% --spp 4096
   firstlight render scene.toml -o - --crop 100,80,64,64 > crop.png";
@@ -507,6 +556,58 @@ fn crop(text: &str) -> Parsed<Crop> {
         return Err("needs four whole numbers x,y,width,height, such as 100,80,64,64".into());
     };
     Ok(Crop { x, y, width, height })
+}
+
+/// Layers that are wanted.
+#[derive(Debug, Clone)]
+pub(crate) struct Layers(pub Vec<Layer>);
+
+fn layers(text: &str) -> Parsed<Layers> {
+    if text == "all" {
+        return Ok(Layers(Layer::NAMES.iter().map(|(_, layer)| *layer).collect()));
+    }
+    let mut layers = Vec::new();
+    for name in text.split(',').map(str::trim).filter(|name| *name != "rgba") {
+        let layer = name.parse()?;
+        if !layers.contains(&layer) {
+            layers.push(layer);
+        }
+    }
+    Ok(Layers(layers))
+}
+
+fn relit(text: &str) -> Parsed<(String, Rgb)> {
+    let Some((name, factor)) = text.rsplit_once('=') else {
+        return Err("needs a light and a factor, such as key=0.5 or key=off".into());
+    };
+    let factor = match factor {
+        "off" => Rgb::ZERO,
+        "on" => Rgb::ONE,
+        factor => match factor.parse::<f32>() {
+            Ok(number) if number.is_finite() => Rgb::splat(number),
+            _ => {
+                let [r, g, b, _] = firstlight::color::parse(factor)
+                    .map_err(|error| format!("{error}; or a number, or off"))?;
+                Rgb::new(r, g, b)
+            }
+        },
+    };
+    Ok((name.to_owned(), factor))
+}
+
+fn look(text: &str) -> Parsed<Look> {
+    let known = Look::NAMES.iter().find(|(name, _)| *name == text);
+    known.map(|(_, look)| *look).ok_or_else(|| "must be clarity, balanced or real".into())
+}
+
+fn section(text: &str) -> Parsed<Section> {
+    let numbers: Vec<_> = text.split(',').map(|number| number.trim().parse::<f64>()).collect();
+    let [Ok(x), Ok(y), Ok(z), Ok(nx), Ok(ny), Ok(nz)] = numbers[..] else {
+        return Err("needs six numbers: a point and a normal, such as 0,0,0,1,0,0".into());
+    };
+    let (point, normal) = (DVec3::new(x, y, z), DVec3::new(nx, ny, nz).try_normalize());
+    let normal = normal.filter(|_| point.is_finite()).ok_or("needs a normal that is not 0")?;
+    Ok(Section { point, normal })
 }
 
 fn pixel(text: &str) -> Parsed<[u32; 2]> {

@@ -6,11 +6,13 @@ mod drawing;
 mod explain;
 mod info;
 mod input;
+mod layers;
 mod machine;
 mod measure;
 mod merge;
 mod output;
 mod picture;
+mod relight;
 mod render;
 mod report;
 mod rows;
@@ -33,6 +35,7 @@ fn main() -> ExitCode {
         Command::Schema => schema::run(),
         Command::Measure(args) => measure::run(&args),
         Command::Merge(args) => merge::run(&args),
+        Command::Relight(args) => relight::run(&args),
         Command::Verify(args) => verify::run(&args),
     };
     let exit = result.unwrap_or_else(|failure| {

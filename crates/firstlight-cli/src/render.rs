@@ -1,7 +1,8 @@
 //! `firstlight render`: a picture of a scene or model.
 
-use crate::args::RenderArgs;
+use crate::args::{FormatName, OutputArgs, RenderArgs};
 use crate::check::triangles;
+use crate::layers::{self, Scenes};
 use crate::machine::{self, Signal};
 use crate::output::{Output, print_json};
 use crate::report::{self, Bar};
@@ -9,8 +10,10 @@ use crate::{Exit, Failure, Outcome, verdict};
 use firstlight::color::View;
 use firstlight::diagnostic::{Diagnostic, Result, visible};
 use firstlight::io::{Develop, Format, Metadata, PartInfo, Warnings, save, save_part};
+use firstlight::layers::LightLayers;
 use firstlight::render::{
-    Crop, PASS as SAMPLES_PER_PASS, Progress, RenderOptions, Rendered, Stop, render, with_threads,
+    Crop, PASS as SAMPLES_PER_PASS, Progress, RenderOptions, Rendered, Stop, render, render_layers,
+    with_threads,
 };
 use firstlight::scene::description::Exposure;
 use firstlight::{Scene, SceneDescription, auto_exposure};
@@ -37,6 +40,7 @@ pub(crate) struct Picture {
 pub(crate) fn run(args: RenderArgs) -> Outcome {
     let mut clock = Clock::start();
     let output = plan(&args)?;
+    layers::check_format(&args, &output)?;
     let threads = args.picture.threads();
     let mut warnings = Warnings::new();
     let access = args.picture.input.access();
@@ -50,14 +54,23 @@ pub(crate) fn run(args: RenderArgs) -> Outcome {
     clock.lap("load");
     let level = args.picture.level();
     let built = with_threads(threads, || Scene::build_with(&scene, level, args.build.into()));
+    layers::check_size(&args, &built)?;
     clock.lap("build");
     let signal = Signal::listen();
-    let picture = draw(&args, threads, &built, output.format, &signal);
+    let (picture, lights) = draw(&args, threads, &built, output.format, &signal);
     clock.lap("render");
     let doubts = verdict::judge(&scene, &picture);
     report::warnings(&doubts);
     warnings.extend(doubts);
-    write(&args, &scene, &picture, &output)?;
+    match (&args.aov, lights) {
+        (Some(wanted), Some(lights)) => {
+            let scenes = Scenes { description: &scene, built: &built };
+            let metadata = metadata(&info(&args, &scene, &picture), &picture);
+            let bytes = layers::encode(wanted, &scenes, threads, &picture, &lights, &metadata)?;
+            output.write(&bytes)?;
+        }
+        _ => write(&args, &scene, &picture, &output)?,
+    }
     clock.lap("write");
     let done = Done { args: &args, scene, built, picture, output, threads, warnings, clock };
     done.report()?;
@@ -70,7 +83,13 @@ pub(crate) fn run(args: RenderArgs) -> Outcome {
 /// Where the picture or the part of it goes.
 fn plan(args: &RenderArgs) -> Outcome<Output> {
     let stem = args.picture.input.stem();
-    let Some([from, to]) = args.samples else { return Output::plan(&args.output, stem, args.json) };
+    let Some([from, to]) = args.samples else {
+        let OutputArgs { path, format } = &args.output;
+        let format =
+            format.or(args.aov.as_ref().map(|_| FormatName::Exr).filter(|_| path.is_none()));
+        let output = OutputArgs { path: path.clone(), format };
+        return Output::plan(&output, stem, args.json);
+    };
     let mut stem = stem.to_owned();
     stem.push(format!(".{from}-{to}"));
     Output::plan_part(&args.output, &stem, args.json)
@@ -126,7 +145,7 @@ fn draw(
     scene: &Scene,
     format: Format,
     signal: &Signal,
-) -> Picture {
+) -> (Picture, Option<LightLayers>) {
     let options = RenderOptions {
         threads,
         crop: args.crop,
@@ -137,13 +156,21 @@ fn draw(
     };
     let bar = Bar::new(!args.quiet && !args.json);
     let limits = Limits { signal, start: Instant::now(), args };
-    let mut rendered = render(scene, &options, &|progress| {
+    let observe = |progress: Progress| {
         bar.show(progress, limits.used(progress));
         limits.judge(progress)
-    });
+    };
+    let (mut rendered, lights) = match &args.aov {
+        None => (render(scene, &options, &observe), None),
+        Some(_) => {
+            let (rendered, lights) = render_layers(scene, &options, &observe);
+            (rendered, Some(lights))
+        }
+    };
     bar.finish();
     rendered.interrupted |= signal.asked();
-    Picture::new(rendered, scene.film().exposure, scene.film().view, format)
+    let film = scene.film();
+    (Picture::new(rendered, film.exposure, film.view, format), lights)
 }
 
 impl RenderArgs {

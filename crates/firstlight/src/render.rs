@@ -5,6 +5,7 @@ use crate::film::{Film, FilterSampler, Half, Noise, Sample, Spread, Tile};
 use crate::geometry::Ray;
 use crate::image::Image;
 use crate::integrator::{FILM, Gatherer, LENS, RayCounts, Record, Recorder};
+use crate::layers::{LightLayers, LightTile, Taken};
 use crate::sampler::{PathPoints, Sampler, pairs};
 use crate::scene::Scene;
 use crate::scene::description::FilmDescription;
@@ -129,7 +130,19 @@ pub fn render(
     options: &RenderOptions,
     observe: &(dyn Fn(Progress) -> ControlFlow<Stop> + Sync),
 ) -> Rendered {
-    with_threads(options.threads, || Render::new(scene, options, observe).run())
+    with_threads(options.threads, || Render::new(scene, options, observe).run::<()>().0)
+}
+
+/// The same, with the light of each source kept apart.
+pub fn render_layers(
+    scene: &Scene,
+    options: &RenderOptions,
+    observe: &(dyn Fn(Progress) -> ControlFlow<Stop> + Sync),
+) -> (Rendered, LightLayers) {
+    let render = Render::new(scene, options, observe);
+    let (rendered, tiles) = with_threads(options.threads, || render.run());
+    let layers = LightLayers::new(scene, render.origin, render.size, tiles);
+    (rendered, layers)
 }
 
 /// Does `work`, such as building a scene, with so many worker threads; 0: one per processor.
@@ -169,8 +182,7 @@ pub(crate) fn replay(
         record.clear();
         for tile in film.tiles_mut() {
             let (samples, worker, recorder) = (samples.clone(), &mut worker, &mut record);
-            // One pixel is no work that would need a processor's own instructions.
-            TilePass { render: &render, tile, samples, half: None, worker, recorder }.take();
+            take_recorded(&render, tile, samples, None, worker, recorder);
         }
         observe(Replayed { samples, weights: &worker.weights, record: &record });
     }
@@ -233,13 +245,15 @@ impl<'a> Render<'a> {
         }
     }
 
-    fn run(&self) -> Rendered {
-        let mut film = self.empty_film();
+    fn run<K: Keeper>(&self) -> (Rendered, Vec<K>) {
+        let mut film = self.empty_film::<K>();
+        let mut keepers: Vec<K> =
+            film.tiles_mut().iter().map(|tile| K::of(self.scene, tile)).collect();
         let [first, end] = self.samples;
         let (mut next, mut judged_at, mut good) = (first, FEWEST_TO_JUDGE, false);
         while next < end && !good && self.tally().stop.is_none() {
             let pass = next..end.min(next + PASS);
-            self.pass(&mut film, pass.clone());
+            self.pass(&mut film, &mut keepers, pass.clone());
             if self.tally().stop != Some(Stop::Now) || self.passes_done() {
                 next = pass.end;
             }
@@ -251,7 +265,7 @@ impl<'a> Render<'a> {
         }
         let (tally, spread) = (self.tally(), film.spread());
         let samples = if self.options.endless { spread.mean.round() as u32 } else { next - first };
-        Rendered {
+        let rendered = Rendered {
             spread,
             interrupted: next < end && !good && tally.stop != Some(Stop::AfterPass),
             rays: tally.rays,
@@ -260,53 +274,53 @@ impl<'a> Render<'a> {
             dropped: tally.dropped,
             first_dropped: tally.first_dropped,
             ..Rendered::of_film(film, samples)
-        }
+        };
+        drop(tally);
+        (rendered, keepers)
     }
 
-    fn empty_film(&self) -> Film {
-        let new = if self.options.endless { Film::in_halves } else { Film::new };
+    fn empty_film<K: Keeper>(&self) -> Film {
+        let new = if self.options.endless && K::AIMS { Film::in_halves } else { Film::new };
         new(self.origin, self.size)
     }
 
-    /// Takes samples of every pixel: these, or as many as each tile is to have by then in one of the halves, which take
-    /// turns.
-    fn pass(&self, film: &mut Film, samples: Range<u32>) {
-        let half =
-            if (samples.start / PASS).is_multiple_of(2) { Half::First } else { Half::Second };
-        let half = Some(half).filter(|_| self.options.endless);
-        let round = samples.start / (2 * PASS) + 1;
-        let passes = half.map(|half| film.passes((self.judge)(half), round));
-        film.tiles_mut().par_iter_mut().enumerate().for_each_init(
-            Worker::default,
-            |worker, (i, tile)| {
-                let samples = match (half, &passes) {
-                    (Some(half), Some(passes)) => tile.next_samples(half, passes[i], PASS, HALF),
-                    _ => samples.clone(),
-                };
-                self.fill(worker, tile, samples, half);
-            },
-        );
+    /// Takes samples of every pixel: these, or, without end, as many as each tile is to have by then in one of the halves,
+    /// which take turns.
+    fn pass<K: Keeper>(&self, film: &mut Film, keepers: &mut [K], samples: Range<u32>) {
+        let (number, mut even, mut half) = (samples.start / PASS, samples, None);
+        if self.options.endless {
+            half = Some(if number.is_multiple_of(2) { Half::First } else { Half::Second });
+            even = number / 2 * PASS..(number / 2 + 1) * PASS;
+        }
+        let aiming = half.filter(|_| film.is_in_halves());
+        let passes = aiming.map(|half| film.passes((self.judge)(half), number / 2 + 1));
+        let tiles = film.tiles_mut().par_iter_mut().zip(keepers).enumerate();
+        tiles.for_each_init(Worker::default, |worker, (i, (tile, keeper))| {
+            let samples = match (aiming, &passes) {
+                (Some(half), Some(passes)) => tile.next_samples(half, passes[i], PASS, HALF),
+                _ => even.clone(),
+            };
+            self.fill(tile, keeper, samples, half, worker);
+        });
     }
 
     /// Takes samples of every pixel of a tile.
-    fn fill(&self, worker: &mut Worker, tile: &mut Tile, samples: Range<u32>, half: Option<Half>) {
-        let pixels = tile.pixels.len() as u64;
+    fn fill<K: Keeper>(
+        &self,
+        tile: &mut Tile,
+        keeper: &mut K,
+        samples: Range<u32>,
+        half: Option<Half>,
+        worker: &mut Worker,
+    ) {
         let mut taken = 0;
         for start in samples.clone().step_by(PASS as usize) {
             if self.tally().stop == Some(Stop::Now) {
                 return;
             }
             let samples = start..samples.end.min(start + PASS);
-            taken += pixels * samples.len() as u64;
-            let recorder = &mut ();
-            self.scene.level().run(TilePass {
-                render: self,
-                tile,
-                samples,
-                half,
-                worker,
-                recorder,
-            });
+            taken += (tile.pixels.len() * samples.len()) as u64;
+            keeper.take(self, tile, samples, half, worker);
         }
         self.report(worker, taken);
     }
@@ -386,6 +400,84 @@ fn judge_again(samples: u32, above: f64) -> u32 {
     (next as u32).next_multiple_of(2 * PASS)
 }
 
+/// Takes samples of a tile, and keeps what it wants to know of them besides their sums.
+trait Keeper: Send {
+    /// For a tile that has no samples yet.
+    fn of(scene: &Scene, tile: &Tile) -> Self;
+
+    /// Whether samples may go where the noise is. What is kept is one mean of all samples, which has to be the picture's.
+    const AIMS: bool;
+
+    /// Takes the samples; `half`: that of the picture that they belong to, where halves take turns.
+    fn take(
+        &mut self,
+        render: &Render<'_>,
+        tile: &mut Tile,
+        samples: Range<u32>,
+        half: Option<Half>,
+        worker: &mut Worker,
+    );
+}
+
+/// Keeps nothing.
+impl Keeper for () {
+    const AIMS: bool = true;
+
+    fn of(_: &Scene, _: &Tile) {}
+
+    fn take(
+        &mut self,
+        render: &Render<'_>,
+        tile: &mut Tile,
+        samples: Range<u32>,
+        half: Option<Half>,
+        worker: &mut Worker,
+    ) {
+        let recorder = &mut ();
+        render.scene.level().run(TilePass { render, tile, samples, half, worker, recorder });
+    }
+}
+
+impl Keeper for LightTile {
+    const AIMS: bool = false;
+
+    fn of(scene: &Scene, tile: &Tile) -> Self {
+        Self::new(scene, tile.pixels.len())
+    }
+
+    fn take(
+        &mut self,
+        render: &Render<'_>,
+        tile: &mut Tile,
+        samples: Range<u32>,
+        half: Option<Half>,
+        worker: &mut Worker,
+    ) {
+        let mut record = Record::default();
+        take_recorded(render, tile, samples, half, worker, &mut record);
+        let pixels = worker.pixels.iter().map(|&(pixel, _)| pixel);
+        let samples: Vec<Taken> = pixels
+            .zip(&worker.weights)
+            .zip(worker.gatherer.samples(render.scene))
+            .map(|((pixel, &weight), sample)| Taken { pixel, weight, sample: *sample })
+            .collect();
+        self.add(&samples, &record);
+    }
+}
+
+/// Takes samples of a tile and records all that happens, with instructions that every processor has: to compile all
+/// stages for this once more at each level would not pay.
+fn take_recorded(
+    render: &Render<'_>,
+    tile: &mut Tile,
+    samples: Range<u32>,
+    half: Option<Half>,
+    worker: &mut Worker,
+    recorder: &mut Record,
+) {
+    TilePass { render, tile, samples, half, worker, recorder }.take();
+}
+
 /// One pass over one tile, with all its stages compiled for the processor's level.
 struct TilePass<'a, R> {
     render: &'a Render<'a>,
@@ -447,7 +539,7 @@ impl<R: Recorder> TilePass<'_, R> {
         let clamped = |(sample, weight): (&Sample, &f32)| f64::from(sample.clamped * weight);
         tile.clamped += samples.iter().zip(&*weights).map(clamped).sum::<f64>();
         tile.samples += count as u32;
-        if let Some(half) = half {
+        if let Some(half) = half.filter(|_| tile.is_in_halves()) {
             for (samples, pixels) in samples.chunks(count).zip(pixels.chunks(count)) {
                 let luminances = samples.iter().map(|sample| f64::from(luminance(sample.radiance)));
                 let square = tile.square(pixels[0].0);

@@ -1,11 +1,11 @@
 //! One sample from the camera to its end, with every number that one would write on the board.
 
-use super::names::Names;
 use super::sums::{Term, stopped_by};
 use crate::color::luminance;
 use crate::geometry::{Hit, Ray};
 use crate::integrator::{Asked, Followed, Gain, Record, Source, Way};
 use crate::render::{PASS, replay};
+use crate::scene::description::SceneDescription;
 use crate::scene::{Everything, Scene};
 use crate::shading::interaction::SurfaceInteraction;
 use crate::units::photometric;
@@ -147,7 +147,7 @@ pub enum Verdict {
 /// Follows one sample of a pixel.
 pub(super) fn follow(
     scene: &Scene,
-    names: &Names<'_>,
+    description: &SceneDescription,
     pixel: [u32; 2],
     sample: u32,
     terms: &[Term],
@@ -156,7 +156,7 @@ pub(super) fn follow(
     let samples = first..scene.film().samples.min(first + PASS);
     replay(scene, pixel, samples, |pass| {
         let place = sample - pass.samples.start;
-        let board = Board { scene, names, record: pass.record, terms, place };
+        let board = Board { scene, description, record: pass.record, terms, place };
         steps = board.steps();
     });
     steps
@@ -165,7 +165,7 @@ pub(super) fn follow(
 /// The record of one sample.
 struct Board<'a> {
     scene: &'a Scene,
-    names: &'a Names<'a>,
+    description: &'a SceneDescription,
     record: &'a Record,
     terms: &'a [Term],
     /// The sample's place in its batch.
@@ -185,7 +185,7 @@ impl Board<'_> {
         let lights = point.map_or(Vec::new(), |point| self.lights(&point, *bounce));
         let of_step = |gain: &&Gain| gain.sample == self.place && gain.bounce == *bounce;
         let gained = self.record.gains.iter().filter(of_step).filter(|gain| !gain.asked);
-        let name = |gain: &Gain| (self.names.source(gain.source), gain.radiance.to_array());
+        let name = |gain: &Gain| (gain.source.name(self.description), gain.radiance.to_array());
         Step {
             origin: ray.origin.to_array(),
             direction: ray.direction.to_array(),
@@ -202,8 +202,8 @@ impl Board<'_> {
         let material = self.scene.material(&at.hit);
         let values = self.scene.values(material, at).into_iter();
         Met {
-            surface: self.names.surface(at.hit.surface),
-            material: self.names.material(at.hit.surface),
+            surface: Source::Surface(at.hit.surface).name(self.description),
+            material: material.name.clone(),
             primitive: at.hit.primitive,
             distance: at.hit.t,
             position: at.position.to_array(),
@@ -229,7 +229,7 @@ impl Board<'_> {
                 _ => "behind it",
             };
             if (hit.surface, hit.primitive) != (met.surface, met.primitive) {
-                let surface = self.names.surface(hit.surface);
+                let surface = Source::Surface(hit.surface).name(self.description);
                 ignored.push(Ignored { surface, distance: hit.t, why });
             }
             ray.t_min = hit.t;
@@ -282,8 +282,8 @@ impl Board<'_> {
         let cos = point.cos(strongest.incoming);
         let distance = strongest.ray.map(|ray| ray.t_max).filter(|distance| distance.is_finite());
         Lighting {
-            source: self.names.source(source),
-            kind: self.names.kind(source),
+            source: source.name(self.description),
+            kind: source.kind(self.description),
             distance,
             geometry_factor: distance.map(|distance| distance.powi(-2)),
             incoming: Some(strongest.incoming.to_array()),
@@ -301,7 +301,7 @@ impl Board<'_> {
         let Some(ray) = asked.ray else { return Verdict::Unshadowed };
         match stopped_by(self.scene, asked, &ray) {
             Some((surface, distance)) => {
-                Verdict::Blocked { by: self.names.surface(surface), distance }
+                Verdict::Blocked { by: Source::Surface(surface).name(self.description), distance }
             }
             None if asked.passed == Vec3::ONE => Verdict::Lit,
             None => Verdict::Tinted { passed: asked.passed.to_array() },
@@ -334,8 +334,8 @@ impl Board<'_> {
         let irradiance =
             sample.map_or(Vec3::ZERO, |sample| sample.irradiance * cos.unwrap_or(0.0).max(0.0));
         Lighting {
-            source: self.names.source(source),
-            kind: self.names.kind(source),
+            source: source.name(self.description),
+            kind: source.kind(self.description),
             distance,
             geometry_factor: distance.map(|distance| distance.powi(-2)),
             incoming: sample.map(|sample| sample.incoming.to_array()),

@@ -6,7 +6,6 @@
 mod board;
 mod cause;
 mod difference;
-mod names;
 mod sums;
 
 pub use board::{Ignored, Lighting, Met, Step, Value, Verdict};
@@ -18,7 +17,6 @@ use crate::color::{Rgb, View, srgb_code8};
 use crate::render::replay;
 use crate::scene::Scene;
 use crate::scene::description::SceneDescription;
-use names::Names;
 use serde::Serialize;
 use sums::Sums;
 
@@ -83,14 +81,13 @@ pub fn explain(
     pixel: [u32; 2],
     exposure_ev: f64,
 ) -> Explanation {
-    let names = Names::new(description);
     let mut sums = Sums::new(scene, pixel);
     let [r, g, b, alpha] =
         replay(scene, pixel, 0..scene.film().samples, |samples| sums.add(&samples));
     let radiance = [r, g, b];
-    let (terms, sample) = (sums.terms(&names), sums.typical());
-    let path = board::follow(scene, &names, pixel, sample, &terms);
-    let shadows = sums.shadows(&names);
+    let (terms, sample) = (sums.terms(description), sums.typical());
+    let path = board::follow(scene, description, pixel, sample, &terms);
+    let shadows = sums.shadows(description);
     let shown = Shown::new(radiance, exposure_ev, scene.film().view);
     let cause = cause::cause(&cause::Evidence {
         terms: &terms,

@@ -1,10 +1,10 @@
 //! What a pixel is the sum of, over all its samples.
 
-use super::names::Names;
 use crate::color::luminance;
 use crate::geometry::{Hit, Ray};
 use crate::integrator::{Asked, Followed, Source};
 use crate::render::Replayed;
+use crate::scene::description::SceneDescription;
 use crate::scene::{Scene, StopsLight};
 use glam::{DVec3, Vec3};
 use serde::Serialize;
@@ -166,13 +166,13 @@ impl<'a> Sums<'a> {
     }
 
     /// What the pixel is the sum of, the largest first.
-    pub(super) fn terms(&self, names: &Names<'_>) -> Vec<Term> {
+    pub(super) fn terms(&self, description: &SceneDescription) -> Vec<Term> {
         let whole: f64 = self.terms.values().map(|sum| sum.luminance).sum();
         let variances: f64 = self.terms.values().map(|sum| self.variance(sum)).sum();
         let part = |value: f64, of: f64| if of > 0.0 { value / of } else { 0.0 };
         let term = |(&(source, reflections), sum): (&(Source, u32), &Sum)| Term {
-            source: names.source(source),
-            kind: names.kind(source),
+            source: source.name(description),
+            kind: source.kind(description),
             reflections,
             radiance: (sum.radiance / self.covered).to_array(),
             share: part(sum.luminance, whole),
@@ -198,16 +198,16 @@ impl<'a> Sums<'a> {
     }
 
     /// What became of shadow rays, the darkest first.
-    pub(super) fn shadows(&self, names: &Names<'_>) -> Vec<Shadow> {
+    pub(super) fn shadows(&self, description: &SceneDescription) -> Vec<Shadow> {
         let Some(first) = self.most_met() else { return Vec::new() };
         let whole: f64 = self.terms.values().map(|sum| sum.luminance).sum();
         let shadow = |(&source, rays): (&Source, &Rays)| {
             let most = rays.blockers.iter().max_by_key(|(_, (count, _))| *count);
             Shadow {
-                source: names.source(source),
+                source: source.name(description),
                 rays: rays.count,
                 blocked: rays.blockers.values().map(|(count, _)| count).sum(),
-                blocker: most.map(|(surface, _)| names.surface(*surface)),
+                blocker: most.map(|(surface, _)| Source::Surface(*surface).name(description)),
                 distance: most.map(|(_, (count, sum))| sum / f64::from(*count)),
                 lost: if whole > 0.0 { rays.lost / whole } else { 0.0 },
                 lost_radiance: rays.lost / self.covered,

@@ -3,8 +3,9 @@
 //! Batches of rays go through the stages in the lecture's order; each stage takes slices and fills vectors.
 
 use super::media::Media;
-use super::record::{Asked, Followed, Gain, Recorder, Source, add};
+use super::record::{Asked, Followed, Gain, Recorder, add};
 use super::shadows::ShadowRays;
+use super::source::Source;
 use crate::color::Rgb;
 use crate::film::Sample;
 use crate::geometry::{Hit, Ray};

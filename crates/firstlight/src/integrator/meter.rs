@@ -79,6 +79,9 @@ impl<'a> Meter<'a> {
             Way::Occlusion(occlusion) => {
                 self.follow(|points, scratch| occlusion.irradiance(point, normal, points, scratch))
             }
+            Way::Clarity(clarity) => {
+                self.follow(|points, scratch| clarity.irradiance(point, normal, points, scratch))
+            }
         }
     }
 
@@ -99,6 +102,8 @@ impl<'a> Meter<'a> {
             Way::Occlusion(occlusion) => self.follow(|points, scratch| {
                 occlusion.gather(&rays(points), points, scratch, &mut ())
             }),
+            Way::Clarity(clarity) => self
+                .follow(|points, scratch| clarity.gather(&rays(points), points, scratch, &mut ())),
         }
     }
 

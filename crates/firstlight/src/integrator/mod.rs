@@ -9,10 +9,12 @@ mod panes;
 mod path;
 mod record;
 mod shadows;
+mod source;
 mod trace;
 
 pub(crate) use dimensions::{FILM, LENS};
 pub use direct::RayCounts;
 pub(crate) use gatherer::{Gatherer, Way};
 pub use meter::{Measurement, Meter};
-pub(crate) use record::{Asked, Followed, Gain, Record, Recorder, Source};
+pub(crate) use record::{Asked, Followed, Gain, Record, Recorder};
+pub(crate) use source::Source;

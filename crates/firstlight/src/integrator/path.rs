@@ -5,15 +5,18 @@
 //! balance heuristic; Veach 1997 §9.2), so that nothing is counted twice. Batches of paths go through the stages
 //! together, bounce by bounce; what one path gathers depends on no other.
 
+mod clarity;
 mod occlusion;
 
+pub(crate) use clarity::Clarity;
 pub(crate) use occlusion::Occlusion;
 
 use super::RayCounts;
 use super::dimensions::Bounce;
 use super::media::{Crossing, Media};
-use super::record::{Asked, Followed, Gain, Recorder, Source, add};
+use super::record::{Asked, Followed, Gain, Recorder, add};
 use super::shadows::ShadowRays;
+use super::source::Source;
 use crate::color::Rgb;
 use crate::film::Sample;
 use crate::geometry::{Hit, Ray};
@@ -278,7 +281,7 @@ impl<'a> Path<'a> {
                 let (frame, scattered) =
                     self.scene.add_lobes(material, &surface, vertex.outgoing, boundary, lobes);
                 vertex.frame = frame;
-                if self.scene.ambient != Rgb::ZERO {
+                if self.scene.ambient != Rgb::ZERO && !on {
                     let reflected = self.scene.ambient_reflectance(material, &surface);
                     let reflected = reflected.unwrap_or(scattered);
                     let gain =
@@ -381,6 +384,15 @@ impl<'a> Path<'a> {
             self.ask(bounce, scratch, recorder, |vertex, lobes| {
                 let sample = sun.sample(pair(vertex, pairs.sun(place)));
                 vertex.light_from_afar(lobes, Source::Light(*number), sample)
+            });
+        }
+        for ambient in &self.scene.near_ambient {
+            self.ask(bounce, scratch, recorder, |vertex, lobes| {
+                let [direction, choice] = pairs.ambient().map(|place| pair(vertex, place));
+                let source = Source::Light(ambient.number);
+                let answer =
+                    vertex.light_from_sky(lobes, source, ambient.reach, choice.x, direction)?;
+                Some(Answer { irradiance: ambient.radiance, ..answer })
             });
         }
         if let Some((environment, _)) = &self.scene.environment {
@@ -700,6 +712,23 @@ impl Vertex {
             scattered,
             irradiance,
         })
+    }
+
+    /// From a sky of radiance 1 that surfaces nearer than `reach` hide, in a direction that the BSDF picks.
+    #[inline(always)]
+    fn light_from_sky(
+        &self,
+        lobes: &[Lobe],
+        source: Source,
+        reach: f32,
+        choice: f32,
+        u: Vec2,
+    ) -> Option<Answer> {
+        let sample = self.bsdf(lobes).sample(choice, u)?;
+        let (incoming, scattered) = (sample.incoming, sample.weight);
+        let start = self.starts[usize::from(sample.through)];
+        let ray = Some(Ray { t_max: reach, ..Ray::new(start, incoming) });
+        Some(Answer { source, ray, incoming, scattered, irradiance: Rgb::ONE })
     }
 
     /// From behind everything.

@@ -3,26 +3,12 @@
 //! A render runs with the recorder `()`, which is told nothing and costs nothing; an explanation runs the same stages
 //! with a [`Record`].
 
+use super::source::Source;
 use crate::color::{Rgb, luminance};
 use crate::film::Sample;
 use crate::geometry::{Hit, Ray};
 use crate::scene::Scene;
 use glam::Vec3;
-
-/// Where light that reaches the eye set out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(crate) enum Source {
-    /// The light with this place in the description.
-    Light(u32),
-    /// The surface with this place in the description, which emits.
-    Surface(u32),
-    /// The environment, or the sky that ambient occlusion looks for.
-    Environment,
-    /// All ambient lights.
-    Ambient,
-    /// What lies behind everything and shines on nothing.
-    Background,
-}
 
 /// Light that a sample gained.
 #[derive(Debug, Clone, Copy, PartialEq)]

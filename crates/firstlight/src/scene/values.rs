@@ -27,6 +27,17 @@ impl Scene {
     }
 }
 
+impl Scene {
+    /// Perceptual roughness of `material` at a point, 0..1: 1 where it is matte, 0 where it mirrors.
+    pub(crate) fn roughness(&self, material: &Material, at: &SurfaceInteraction) -> f32 {
+        if material.is_matte() {
+            return 1.0;
+        }
+        let values = self.values(material, at);
+        values.iter().find(|(name, _)| *name == "roughness").map_or(0.0, |(_, value)| value[0])
+    }
+}
+
 impl Reader<'_> {
     fn color(&mut self, name: &'static str, texture: &Texture) {
         let color = self.scene.evaluate(texture, self.at).xyz();
