@@ -100,6 +100,9 @@ pub(crate) struct PictureArgs {
     /// Make the background transparent
     #[arg(long)]
     pub transparent: bool,
+    /// Leave out what light scattered more than once brings beyond this radiance; the report says how much that was
+    #[arg(long, value_name = "RADIANCE", value_parser = clamp, allow_hyphen_values = true)]
+    pub clamp: Option<f64>,
     /// Seed of every random number
     #[arg(long, value_name = "N", value_parser = seed)]
     #[arg(allow_negative_numbers = true)]
@@ -515,6 +518,11 @@ fn noise(text: &str) -> Parsed<f64> {
     let value = number.parse().ok().map(|number: f64| number * unit);
     let value = value.filter(|value| (1e-6..=1.0).contains(value));
     value.ok_or_else(|| "needs a part of the picture's brightness, such as 2% or 0.02".into())
+}
+
+fn clamp(text: &str) -> Parsed<f64> {
+    let bound = text.trim().parse().ok().filter(|bound: &f64| bound.is_finite() && *bound > 0.0);
+    bound.ok_or_else(|| "needs a radiance greater than 0, in W/(sr m²), such as 10".into())
 }
 
 fn sample_range(text: &str) -> Parsed<[u32; 2]> {

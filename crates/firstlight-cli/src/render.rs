@@ -23,6 +23,8 @@ use std::time::Instant;
 
 /// Bytes of memory per pixel: the film's sums and the picture that becomes of them.
 const PIXEL_BYTES: u64 = 96;
+/// The same where the sums are kept in two halves.
+const HALVED_PIXEL_BYTES: u64 = 176;
 /// Bytes of memory per pixel of a part: the sums three times over, on their way to the file.
 const PART_PIXEL_BYTES: u64 = 352;
 
@@ -114,7 +116,11 @@ fn check_size(scene: &SceneDescription, args: &RenderArgs) -> Result<()> {
         let message = format!("{x},{y},{w},{h} reaches beyond the picture of {width} × {height}");
         return Err(Box::new(Diagnostic::new("--crop", message)));
     }
-    let pixel_bytes = args.samples.map_or(PIXEL_BYTES, |_| PART_PIXEL_BYTES);
+    let pixel_bytes = match args.samples {
+        Some(_) => PART_PIXEL_BYTES,
+        None if args.is_endless() => HALVED_PIXEL_BYTES,
+        None => PIXEL_BYTES,
+    };
     let needed = u64::from(crop.width) * u64::from(crop.height) * pixel_bytes;
     match machine::available_memory() {
         Some(available) if needed > available => Err(too_large(crop, needed, available)),
@@ -348,9 +354,13 @@ impl Done<'_> {
             false => String::new(),
         };
         let (time, rate) = (report::span(self.clock.total()), report::rate(self.rays_per_second()));
-        let (output, samples) = (self.output.name(), rendered.samples);
+        let output = self.output.name();
+        let samples = report::samples(rendered.samples, rendered.spread);
         let noise = report::noise(rendered.noise, !self.args.is_endless());
-        format!("{what} {output}: {width}×{height}, {samples} spp{noise}{exposure}, {time}, {rate}")
+        let clamped = report::clamped(&self.scene, rendered.clamped);
+        format!(
+            "{what} {output}: {width}×{height}, {samples}{noise}{clamped}{exposure}, {time}, {rate}"
+        )
     }
 
     fn json(&self) -> Value {
@@ -361,8 +371,14 @@ impl Done<'_> {
             "width": rendered.image.width(),
             "height": rendered.image.height(),
             "samples": rendered.samples,
+            "samples_per_pixel": {
+                "min": rendered.spread.fewest,
+                "mean": rendered.spread.mean,
+                "max": rendered.spread.most,
+            },
             "interrupted": rendered.interrupted,
             "noise": report::noise_json(rendered.noise, !self.args.is_endless()),
+            "clamped": scene.film.clamp.map(|_| rendered.clamped),
             "seconds": self.clock.json(),
             "rays": {
                 "camera": rendered.rays.camera,

@@ -59,7 +59,9 @@ impl Scene {
             world,
             material_of,
             materials: description.materials.clone(),
-            has_panes: description.materials.iter().any(Material::is_pane),
+            has_panes: description.materials.iter().any(Material::passes_light),
+            is_cloudy: description.materials.iter().any(Material::is_cloudy),
+            medium: description.medium,
             images: description.images.clone(),
             lights,
             round_lights,
@@ -203,7 +205,7 @@ pub(super) fn part(
 /// What traversal has to ask about surfaces of this material.
 fn flags(material: &Material) -> u32 {
     let one_sided = if material.double_sided && material.visible { 0 } else { ONE_SIDED };
-    let solid = material.alpha == Alpha::Opaque && !material.is_pane();
+    let solid = material.alpha == Alpha::Opaque && !material.passes_light();
     let partly_there = if solid { 0 } else { PARTLY_THERE };
     one_sided | partly_there
 }

@@ -25,7 +25,9 @@ use crate::shading::light::area::AreaLights;
 use crate::shading::light::environment::{Environment, Sun};
 use crate::shading::light::{Light, RoundLight};
 use crate::simd::Level;
-use description::{FilmDescription, Integrator, LuminousEfficacy, Material, Pixels, Shadows};
+use description::{
+    FilmDescription, Integrator, LuminousEfficacy, Material, Medium, Pixels, Shadows,
+};
 use std::sync::Arc;
 
 /// A scene ready to be traced. Made by [`Scene::build`]; nothing about it can fail from then on.
@@ -35,8 +37,12 @@ pub struct Scene {
     /// Material of each surface.
     pub(crate) material_of: Vec<u32>,
     pub(crate) materials: Vec<Material>,
-    /// Whether any of them is a pane, which shadow rays pass.
+    /// Whether any of them lets shadow rays pass.
     pub(crate) has_panes: bool,
+    /// Whether any of them encloses what scatters light.
+    pub(crate) is_cloudy: bool,
+    /// What is everywhere where no solid is.
+    pub(crate) medium: Option<Medium>,
     pub(crate) images: Vec<Arc<Pixels>>,
     /// All lights that come from one direction, in the file's order.
     pub(crate) lights: Vec<Light>,

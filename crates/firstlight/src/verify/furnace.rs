@@ -2,6 +2,7 @@
 
 use super::scenes::*;
 use super::{Case, Readings, Tolerance};
+use crate::color::Rgb;
 use crate::scene::Scene;
 use crate::scene::description::*;
 use glam::{DAffine3, DVec3, Vec3};
@@ -43,6 +44,13 @@ pub(super) const CASES: &[Case] = &[
         "a box of matte mirrors that emit 0.25",
         "L_e / (1 - R)",
         c06,
+    ),
+    Case::sampled("C18-glass-furnace", "a ball of clear glass under a uniform sky", "L = 1", c18),
+    Case::sampled(
+        "C19-inside-glass-furnace",
+        "the same from its centre",
+        "L = n²: radiance over the square of the index stays the same",
+        c19,
     ),
     Case::sampled(
         "C21-kirchhoff-isothermal",
@@ -122,6 +130,26 @@ fn c06(readings: &mut Readings) {
     inside(readings, "", cube(DVec3::ZERO, 2.0), walls, None, 1.0);
 }
 
+fn ball_of_glass() -> Scene {
+    let mut scene = scene_for_paths(0.0);
+    scene.environment = uniform(1.0);
+    scene.materials[0] = clear(1.5, Rgb::ZERO);
+    add(&mut scene, ball(DVec3::ZERO, 1.0));
+    Scene::build(&scene)
+}
+
+fn c18(readings: &mut Readings) {
+    let scene = ball_of_glass();
+    for offset in [0.0, 0.5, 0.9, 0.99] {
+        let at = format!("{offset} from the axis");
+        readings.radiance(at, &scene, v(0.0, -5.0, 0.0), v(offset, 0.0, 0.0), 1.0);
+    }
+}
+
+fn c19(readings: &mut Readings) {
+    readings.radiance("", &ball_of_glass(), DVec3::ZERO, v(0.3, 1.0, 0.2), 2.25);
+}
+
 /// Where everything sends out what it does not reflect, nothing can be told apart.
 fn isothermal_room() -> SceneDescription {
     let mut scene = scene_for_paths(0.0);
@@ -149,21 +177,19 @@ fn isothermal_room() -> SceneDescription {
     scene
 }
 
-/// The mean of each ninth of the picture.
+/// Each pixel of a picture.
 fn c21(readings: &mut Readings) {
+    const SIDE: u32 = 24;
     let mut scene = isothermal_room();
-    scene.film = FilmDescription { width: 48, height: 48, samples: 16, ..scene.film };
+    scene.film = FilmDescription { width: SIDE, height: SIDE, samples: 512, ..scene.film };
     let pictures: Vec<_> = (0..Readings::REPETITIONS)
         .map(|seed| {
             scene.film.seed = seed;
             picture(&scene).image
         })
         .collect();
-    for (x, y) in (0..3).flat_map(|y| (0..3).map(move |x| (x, y))) {
-        let mean = |seed: u64| {
-            let pixel = |i: u32| pictures[seed as usize].get(16 * x + i % 16, 16 * y + i / 16).x;
-            (0..256).map(|i| f64::from(pixel(i))).sum::<f64>() / 256.0
-        };
-        readings.repeated(format!("part {x}, {y}"), mean, 1.0);
+    for (x, y) in (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y))) {
+        let pixel = |seed: u64| f64::from(pictures[seed as usize].get(x, y).x);
+        readings.repeated(format!("pixel {x}, {y}"), pixel, 1.0);
     }
 }

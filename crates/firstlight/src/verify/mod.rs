@@ -21,6 +21,7 @@ mod sampling;
 pub mod scenes;
 pub mod shapes;
 mod statistics;
+mod volume;
 
 pub use geometry::{differing, escaped, reintersections, terminator};
 pub use readings::{Reading, Readings};
@@ -63,6 +64,7 @@ pub const GROUPS: &[Group] = &[
     ("furnace", furnace::CASES),
     ("cavity", cavity::CASES),
     ("global-illumination", global_illumination::CASES),
+    ("volume", volume::CASES),
     ("cie171", cie171::CASES),
     ("geometry", geometry::CASES),
     ("camera", camera::CASES),

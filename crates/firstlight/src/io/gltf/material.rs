@@ -453,10 +453,9 @@ fn interior(extensions: &MaterialExtensions) -> Option<Interior> {
     let distance = volume.attenuation_distance.map_or(f32::INFINITY, |distance| distance.0);
     let dispersion = extensions.dispersion.as_ref().and_then(|e| e.dispersion);
     Some(Interior {
-        index: ior.max(1.0),
         // The extension's number is 20 over the Abbe number.
         dispersion: dispersion.map_or(0.0, |dispersion| dispersion.0.max(0.0) / 20.0),
         absorption: Interior::absorption(color, distance.max(f32::MIN_POSITIVE)),
-        priority: 0,
+        ..Interior::clear(ior.max(1.0))
     })
 }

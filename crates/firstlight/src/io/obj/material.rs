@@ -151,12 +151,7 @@ impl Maker<'_> {
         Material {
             reflectance: Texture::constant(tint),
             scattering: Scattering::Principled(Box::new(principled)),
-            interior: Some(Interior {
-                index: ior,
-                dispersion: 0.0,
-                absorption: Rgb::ZERO,
-                priority: 0,
-            }),
+            interior: Some(Interior::clear(ior)),
             alpha: Alpha::Opaque,
             ..matte
         }
