@@ -102,12 +102,15 @@ pub(crate) struct RenderArgs {
     /// The camera to use; frame: one that shows everything [default: the scene's first]
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
-    /// Stops of exposure (0: radiance 1 is white), or auto
+    /// Stops of exposure (0: radiance 1 is white), auto, or a camera's settings: "1/125 f/8 ISO 100"
     #[arg(long, value_name = "EV|auto", value_parser = exposure, allow_hyphen_values = true)]
     pub exposure: Option<Exposure>,
     /// How bright light is brought into what screens show [default: srgb, cut off at white]
     #[arg(long, value_name = "srgb|neutral|agx|aces|filmic|raw", value_parser = view)]
     pub view: Option<View>,
+    /// Round to the nearest of the 256 steps of an 8-bit PNG, which shows bands in soft shades
+    #[arg(long)]
+    pub no_dither: bool,
     /// Make the background transparent
     #[arg(long)]
     pub transparent: bool,
@@ -152,6 +155,9 @@ pub(crate) struct MergeArgs {
     /// How bright light is shown [default: as the parts were to be shown]
     #[arg(long, value_name = "srgb|neutral|agx|aces|filmic|raw", value_parser = view)]
     pub view: Option<View>,
+    /// Round to the nearest of the 256 steps of an 8-bit PNG
+    #[arg(long)]
+    pub no_dither: bool,
     /// Make a picture even if there are samples missing
     #[arg(long)]
     pub partial: bool,
@@ -469,7 +475,10 @@ fn exposure(text: &str) -> Parsed<Exposure> {
     if text == "auto" {
         return Ok(Exposure::Auto);
     }
-    let wrong = |error| format!("{error}; or auto");
+    if text.contains('/') {
+        return text.parse().map(Exposure::Camera);
+    }
+    let wrong = |error| format!("{error}; or auto, or a camera's \"1/125 f/8 ISO 100\"");
     number(text, FilmDescription::MOST_STOPS).map(Exposure::Ev).map_err(wrong)
 }
 

@@ -13,7 +13,6 @@ use firstlight::io::{Develop, FileAccess, Format, Metadata, PartInfo, Warnings, 
 use firstlight::render::{
     Crop, PASS as SAMPLES_PER_PASS, Progress, RenderOptions, Rendered, Stop, render, with_threads,
 };
-use firstlight::scene::description::Exposure;
 use firstlight::{Level, Scene, SceneDescription, auto_exposure};
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
@@ -168,7 +167,8 @@ fn draw(
     });
     bar.finish();
     rendered.interrupted |= signal.asked();
-    Picture::new(rendered, scene.film().exposure, scene.film().view, format)
+    let stops = scene.film().exposure.stops(scene.luminous_efficacy());
+    Picture::new(rendered, stops, scene.film().view, format)
 }
 
 impl RenderArgs {
@@ -181,12 +181,9 @@ impl RenderArgs {
 
 impl Picture {
     /// With the exposure that is asked for, or found from the picture.
-    pub(crate) fn new(rendered: Rendered, exposure: Exposure, view: View, format: Format) -> Self {
-        let (exposure_ev, auto_exposure) = match exposure {
-            Exposure::Ev(ev) => (ev, false),
-            Exposure::Auto => (auto_exposure(&rendered.image), true),
-        };
-        Self { rendered, exposure_ev, auto_exposure, view, format }
+    pub(crate) fn new(rendered: Rendered, stops: Option<f64>, view: View, format: Format) -> Self {
+        let exposure_ev = stops.unwrap_or_else(|| auto_exposure(&rendered.image));
+        Self { rendered, exposure_ev, auto_exposure: stops.is_none(), view, format }
     }
 }
 
@@ -241,7 +238,7 @@ fn write(
 ) -> Outcome<()> {
     let info = info(args, scene, picture);
     if args.samples.is_none() {
-        return write_picture(&info, picture, output);
+        return write_picture(&info, picture, !args.no_dither, output);
     }
     let saved = save_part(&info, &picture.rendered.film);
     let bytes = saved.map_err(|error| Failure { exit: Exit::Failed, error })?;
@@ -249,8 +246,13 @@ fn write(
 }
 
 /// Writes a picture and how it was made.
-pub(crate) fn write_picture(info: &PartInfo, picture: &Picture, output: &Output) -> Outcome<()> {
-    let develop = Develop { exposure_ev: picture.exposure_ev as f32, view: picture.view };
+pub(crate) fn write_picture(
+    info: &PartInfo,
+    picture: &Picture,
+    dither: bool,
+    output: &Output,
+) -> Outcome<()> {
+    let develop = Develop { exposure_ev: picture.exposure_ev as f32, view: picture.view, dither };
     let metadata = metadata(info, picture);
     let bytes = save(&picture.rendered.image, output.format, develop, &metadata)
         .map_err(|error| Failure { exit: Exit::Failed, error })?;
@@ -272,7 +274,7 @@ fn info(args: &RenderArgs, scene: &SceneDescription, picture: &Picture) -> PartI
         crop: [x, y, width, height],
         samples: film.samples,
         seed: film.seed,
-        exposure: if let Exposure::Ev(ev) = film.exposure { Some(ev) } else { None },
+        exposure: film.exposure.stops(scene.luminous_efficacy),
         view: film.view,
         ranges: vec![[from, from + rendered.samples]],
     }

@@ -81,7 +81,8 @@ impl<'a> Layers<'a> {
             Fresnel::Conductor { .. } => normal * (all - grazing) + grazing,
         };
         let gain = 1.0 + normal * ((1.0 - all) / all);
-        self.add(Kind::Facets { facets, fresnel, through: false }, gain, once);
+        let kind = Kind::Facets { facets, fresnel, once: all, through: false };
+        self.add(kind, gain, once);
         once * gain
     }
 
@@ -102,7 +103,7 @@ impl<'a> Layers<'a> {
             return;
         };
         let once = albedo::glass(self.outgoing, facets.alpha, eta);
-        let kind = Kind::Glass { glass: Glass { facets, eta }, tint };
+        let kind = Kind::Glass { glass: Glass { facets, eta, once }, tint };
         self.add(kind, Rgb::splat(1.0 / once), Rgb::splat(once));
     }
 
@@ -115,7 +116,8 @@ impl<'a> Layers<'a> {
         };
         let (all, _) = albedo::facets(self.outgoing, facets.alpha);
         let fresnel = Fresnel::Schlick { normal: Rgb::ONE, grazing: 1.0 };
-        self.add(Kind::Facets { facets, fresnel, through: true }, passes / all, Rgb::splat(all));
+        let kind = Kind::Facets { facets, fresnel, once: all, through: true };
+        self.add(kind, passes / all, Rgb::splat(all));
     }
 
     /// The pane of a window: light goes back and forth between its two smooth sides.

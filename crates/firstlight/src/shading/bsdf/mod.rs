@@ -15,16 +15,16 @@ mod sheen;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use fresnel::Fresnel;
+pub(crate) use fresnel::{Fresnel, dielectric};
+pub(crate) use ggx::{Ggx, mirrored, refracted};
+pub(crate) use glass::Glass;
 pub(crate) use layers::Layers;
 pub(crate) use principled::{PrincipledPoint, Wall, principled};
 
 use crate::color::Rgb;
 use crate::math::tangents;
 use diffuse::{Eon, cosine_weighted};
-use ggx::{Ggx, mirrored, refracted};
 use glam::{Vec2, Vec3};
-use glass::Glass;
 use sheen::Sheen;
 use std::f32::consts::FRAC_1_PI;
 
@@ -54,6 +54,8 @@ pub(crate) enum Kind {
         facets: Ggx,
         /// What each reflects.
         fresnel: Fresnel,
+        /// The fraction of light from the eye that comes out after one reflection, if all is reflected.
+        once: f32,
         /// Whether what they reflect leaves on the other side, as of a pane that is rough and has no thickness.
         through: bool,
     },
@@ -286,8 +288,10 @@ impl Lobe {
             Kind::Sheen(sheen) if reflects => {
                 (Rgb::splat(sheen.value(outgoing, incoming) * incoming.z), Sheen::pdf(incoming))
             }
-            Kind::Facets { facets, fresnel, through } if through != reflects => {
-                reflect(facets, fresnel, outgoing, if through { flipped } else { incoming })
+            Kind::Facets { facets, fresnel, once, through } if through != reflects => {
+                let incoming = if through { flipped } else { incoming };
+                let (value, power) = reflect(facets, fresnel, outgoing, incoming);
+                (value, power / once)
             }
             Kind::Glass { glass, tint } => {
                 let (value, pdf) = glass.eval(outgoing, incoming);
@@ -305,8 +309,10 @@ impl Lobe {
             Kind::Eon(eon) => Some(eon.sample(outgoing, u)),
             Kind::Sheen(_) => Some(Sheen::sample(u)),
             Kind::Facets { facets, through, .. } => {
-                let incoming = mirrored(outgoing, facets.sample(outgoing, u));
-                (incoming.z > 0.0).then(|| if through { flip(incoming) } else { incoming })
+                let incoming = facets.sample_open(outgoing, (choice, u), |m, _| {
+                    Some(mirrored(outgoing, m)).filter(|incoming| incoming.z > 0.0)
+                });
+                incoming.map(|incoming| if through { flip(incoming) } else { incoming })
             }
             Kind::Glass { glass, .. } => glass.sample(outgoing, choice, u),
             Kind::Mirror | Kind::Refraction { .. } | Kind::Straight => None,
@@ -331,11 +337,11 @@ fn same(density: f32) -> (Rgb, f32) {
     (Rgb::splat(density), density)
 }
 
-/// D G F / 4 cos cos, times the cosine, and the density.
+/// D G F / 4 cos cos, times the cosine; and the same without F.
 fn reflect(facets: Ggx, fresnel: Fresnel, outgoing: Vec3, incoming: Vec3) -> (Rgb, f32) {
     let m = (outgoing + incoming).normalize_or(Vec3::Z);
     let cos = outgoing.dot(m).clamp(0.0, 1.0);
     let around = facets.density(m) / (4.0 * outgoing.z);
     let value = around * facets.both_visible(outgoing, incoming);
-    (fresnel.at(cos) * value, around * facets.visible(outgoing))
+    (fresnel.at(cos) * value, value)
 }
