@@ -11,6 +11,7 @@ use crate::camera::Camera;
 use crate::color::Rgb;
 use crate::geometry::Analytic;
 use crate::kernels::{ONE_SIDED, PARTLY_THERE};
+use crate::shading::texture::Picture;
 use crate::shading::light::environment::Sun;
 use crate::shading::light::{Cone, Light as BuiltLight, RoundLight, Source};
 use crate::simd::Level;
@@ -58,7 +59,7 @@ impl Scene {
             material_of,
             materials: description.materials.clone(),
             has_panes: description.materials.iter().any(Material::is_pane),
-            images: description.images.clone(),
+            pictures: description.images.iter().cloned().map(Picture::new).collect(),
             lights,
             round_lights,
             suns,

@@ -24,8 +24,8 @@ use crate::shading::light::area::AreaLights;
 use crate::shading::light::environment::{Environment, Sun};
 use crate::shading::light::{Light, RoundLight};
 use crate::simd::Level;
-use description::{FilmDescription, Integrator, LuminousEfficacy, Material, Pixels, Shadows};
-use std::sync::Arc;
+use description::{FilmDescription, Integrator, LuminousEfficacy, Material, Shadows};
+use crate::shading::texture::Picture;
 
 /// A scene ready to be traced. Made by [`Scene::build`]; nothing about it can fail from then on.
 #[derive(Debug)]
@@ -36,7 +36,7 @@ pub struct Scene {
     pub(crate) materials: Vec<Material>,
     /// Whether any of them is a pane, which shadow rays pass.
     pub(crate) has_panes: bool,
-    pub(crate) images: Vec<Arc<Pixels>>,
+    pub(crate) pictures: Vec<Picture>,
     /// All lights that come from one direction, in the file's order.
     pub(crate) lights: Vec<Light>,
     /// Spheres that shine in place of points.

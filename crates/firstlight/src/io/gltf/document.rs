@@ -317,7 +317,7 @@ pub(super) struct SpecularGlossiness {
     pub(super) diffuse_texture: Option<TextureInfo>,
     pub(super) specular_factor: Option<[Real; 3]>,
     pub(super) glossiness_factor: Option<Real>,
-    pub(super) specular_glossiness_texture: Option<IgnoredAny>,
+    pub(super) specular_glossiness_texture: Option<TextureInfo>,
 }
 
 #[derive(Debug, Deserialize)]

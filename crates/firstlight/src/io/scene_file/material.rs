@@ -11,7 +11,7 @@ use crate::scene::description::{
     Alpha, ComplexIndex, Facets, Interior, Material, NormalMap, Principled, Scalar, Scattering,
     Texture,
 };
-use crate::units::written::{Angle, Number, Size};
+use crate::units::written::{Angle, Length, Number, Size};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -57,6 +57,10 @@ macro_rules! material_keys {
             normal_map: Option<TextureKeys<Reflectance>>,
             /// How much they bend. Default 1.
             normal_scale: Option<Number>,
+            /// Heights, 0 to 1, that raise the surface for the eye: a picture or a pattern.
+            bump: Option<TextureKeys<Fraction>>,
+            /// What a height of 1 is; below 0 hills are valleys. Default "1 mm".
+            bump_height: Option<Length>,
         }
 
         impl $name {
@@ -83,6 +87,7 @@ macro_rules! material_keys {
                     reflectance,
                     scattering,
                     normal: normal_map.transpose()?.map(|texture| NormalMap { texture, scale }),
+                    bump: pictures.bump(self.bump, self.bump_height)?,
                     emission: pictures.texture(self.emission, Rgb::ZERO)?,
                     alpha,
                     double_sided: self.double_sided.unwrap_or(true),

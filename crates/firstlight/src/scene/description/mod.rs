@@ -17,7 +17,7 @@ mod view;
 pub use environment::{EnvironmentDescription, Sky};
 pub use light::{CameraLightAmount, Light, LightDescription, SpotFalloff};
 pub use material::{
-    Alpha, ComplexIndex, Facets, Interior, Material, NormalMap, Pattern, Pixels, Principled,
+    Alpha, BumpAmount, BumpMap, ComplexIndex, Facets, Interior, Material, NormalMap, Pattern, Pixels, Principled,
     Sampling, Scalar, Scattering, Texels, Texture, UvTransform, Wrap,
 };
 pub use mesh::Mesh;
@@ -25,7 +25,7 @@ pub use photometry::{Goniometer, PhotometricWeb};
 pub use place::Part;
 pub use shape::{Block, Cone, Cylinder, Disk, Plane, Quad, Shape, Sphere, Surface};
 pub use view::{
-    CameraDescription, Exposure, FilmDescription, Filter, Integrator, Projection, Shadows,
+    CameraDescription, CameraSettings, Exposure, FilmDescription, Filter, Integrator, Projection, Shadows,
 };
 
 use crate::color::Rgb;
