@@ -305,6 +305,8 @@ fn material_text(material: &Material) -> String {
         }
         Pattern::Image { .. } => "a picture".into(),
         Pattern::Checker { .. } => "a checkerboard".into(),
+        Pattern::Gradient { .. } => "a gradient".into(),
+        Pattern::Noise { .. } => "noise".into(),
     };
     let [r, g, b, _] = material.emission.factor;
     let emission = match r.max(g).max(b) > 0.0 {

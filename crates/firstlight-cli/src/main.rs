@@ -2,12 +2,17 @@
 
 mod args;
 mod check;
+mod drawing;
+mod explain;
 mod info;
 mod input;
+mod layers;
 mod machine;
 mod measure;
 mod merge;
 mod output;
+mod picture;
+mod relight;
 mod render;
 mod report;
 mod rows;
@@ -24,11 +29,13 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Render(args) => render::run(*args),
+        Command::Explain(args) => explain::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Schema => schema::run(),
         Command::Measure(args) => measure::run(&args),
         Command::Merge(args) => merge::run(&args),
+        Command::Relight(args) => relight::run(&args),
         Command::Verify(args) => verify::run(&args),
     };
     let exit = result.unwrap_or_else(|failure| {

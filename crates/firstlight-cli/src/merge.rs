@@ -29,7 +29,7 @@ pub(crate) fn run(args: &MergeArgs) -> Outcome {
     let view = args.view.unwrap_or(info.view);
     let rendered = Rendered::of_film(film, info.count());
     let picture = Picture::new(rendered, stops, view, output.format);
-    write_picture(&info, &picture, !args.no_dither, &output)?;
+    write_picture(&info, &picture, !args.output.no_dither, &output)?;
     tell(args, &info, &picture, &output)?;
     Ok(Exit::Done)
 }

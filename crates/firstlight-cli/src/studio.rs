@@ -1,6 +1,6 @@
 //! The studio around a model, as the command line asks for it.
 
-use crate::args::{Axis, InputArgs, RenderArgs, StudioArgs};
+use crate::args::{Axis, InputArgs, PictureArgs, StudioArgs};
 use firstlight::SceneDescription;
 use firstlight::color::Rgb;
 use firstlight::diagnostic::{Diagnostic, Result};
@@ -102,7 +102,7 @@ fn rgb([r, g, b, _]: [f32; 4]) -> Rgb {
 
 /// Puts the studio around a model. Its own camera is kept unless a direction is asked for; its own lights are used
 /// alone, unless others are asked for, and with an exposure that suits them.
-pub(crate) fn dress(scene: &mut SceneDescription, args: &RenderArgs) -> Result<()> {
+pub(crate) fn dress(scene: &mut SceneDescription, args: &PictureArgs) -> Result<()> {
     if args.studio.has_view() {
         if args.camera.as_deref().is_some_and(|name| name != "frame") {
             let error = Diagnostic::new("--camera", "a named camera has a direction of its own");
@@ -124,7 +124,7 @@ pub(crate) fn dress(scene: &mut SceneDescription, args: &RenderArgs) -> Result<(
 }
 
 /// Whether the exposure was given on the command line.
-fn sets_exposure(args: &RenderArgs) -> bool {
+fn sets_exposure(args: &PictureArgs) -> bool {
     let InputArgs { define, .. } = &args.input;
     args.exposure.is_some() || define.iter().any(|set| set.path().eq(["film", "exposure"]))
 }

@@ -15,8 +15,9 @@ const LAYERS: &[&[&str]] = &[
     &["bvh", "shading"],
     &["scene"],
     &["integrator"],
+    &["layers"],
     &["render"],
-    &["verify"],
+    &["explain", "verify"],
     &["io"],
 ];
 

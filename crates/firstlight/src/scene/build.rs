@@ -11,9 +11,9 @@ use crate::camera::Camera;
 use crate::color::Rgb;
 use crate::geometry::Analytic;
 use crate::kernels::{ONE_SIDED, PARTLY_THERE};
-use crate::shading::texture::Picture;
 use crate::shading::light::environment::Sun;
 use crate::shading::light::{Cone, Light as BuiltLight, RoundLight, Source};
+use crate::shading::texture::Picture;
 use crate::simd::Level;
 use glam::DMat3;
 use std::sync::Arc;
@@ -41,10 +41,9 @@ impl Scene {
         let world = World::build(parts(description), level, quality);
         let material_of: Vec<_> = description.surfaces.iter().map(|s| s.material as u32).collect();
         let sky = description.environment.as_ref();
-        let all = || description.lights.iter();
-        let lights: Vec<_> = all().filter_map(|l| pointlike(l, &camera)).collect();
-        let round_lights: Vec<_> = all().filter_map(|l| round(l, &camera)).collect();
-        let suns: Vec<_> = all().filter_map(sun).collect();
+        let (light_numbers, lights) = numbered(description, |light| pointlike(light, &camera));
+        let (round_numbers, round_lights) = numbered(description, |light| round(light, &camera));
+        let (sun_numbers, suns) = numbered(description, sun);
         let area_lights = area_lights(&world, &material_of, &description.materials);
         let mean = |material| mean_emission(material, &description.images);
         let mean_of: Vec<_> = description.materials.iter().map(mean).collect();
@@ -59,10 +58,14 @@ impl Scene {
             material_of,
             materials: description.materials.clone(),
             has_panes: description.materials.iter().any(Material::is_pane),
+            cone: camera.cone(film.samples),
             pictures: description.images.iter().cloned().map(Picture::new).collect(),
             lights,
             round_lights,
             suns,
+            light_numbers,
+            round_numbers,
+            sun_numbers,
             ambient,
             background: description.background,
             shadows: description.shadows,
@@ -72,6 +75,15 @@ impl Scene {
             luminous_efficacy: description.luminous_efficacy,
         }
     }
+}
+
+/// What becomes of the lights that are of one kind, with their places in the description.
+fn numbered<T>(
+    description: &SceneDescription,
+    build: impl Fn(&LightDescription) -> Option<T>,
+) -> (Vec<u32>, Vec<T>) {
+    let lights = (0..).zip(&description.lights);
+    lights.filter_map(|(number, light)| Some((number, build(light)?))).unzip()
 }
 
 fn ambient(light: &LightDescription) -> Option<Rgb> {

@@ -2,7 +2,8 @@
 
 use super::Scene;
 use super::description::{
-    BumpAmount, BumpMap, Facets, Material, NormalMap, Pattern, Principled, Scalar, Scattering, Texture,
+    BumpAmount, BumpMap, Facets, Material, NormalMap, Pattern, Principled, Scalar, Scattering,
+    Texture,
 };
 use crate::color::Rgb;
 use crate::shading::bsdf::{
@@ -157,7 +158,9 @@ impl Scene {
                 let across = self.pictures[*image].texels_across() as f32;
                 0.5 / (across * transform.matrix2.determinant().abs().sqrt()).max(1e-6)
             }
-            Pattern::Checker { size, .. } | Pattern::Noise { size, .. } => 1e-3 * size.min_element(),
+            Pattern::Checker { size, .. } | Pattern::Noise { size, .. } => {
+                1e-3 * size.min_element()
+            }
             Pattern::Gradient { from, to, .. } => 1e-3 * (*to - *from).length(),
             Pattern::Constant => 1.0,
         }

@@ -10,8 +10,9 @@ mod interaction;
 mod lights;
 mod material;
 mod studio;
+mod values;
 
-pub(crate) use filter::{Meets, OnlyPanes, SeenByCamera, StopsLight};
+pub(crate) use filter::{Everything, Meets, OnlyPanes, SeenByCamera, StopsLight};
 pub use framing::{bounds, frame};
 pub(crate) use lights::{LocalLight, LocalLights};
 pub(crate) use material::Boundary;
@@ -20,12 +21,13 @@ pub use studio::Studio;
 use crate::bvh::World;
 use crate::camera::Camera;
 use crate::color::Rgb;
+use crate::geometry::Cone;
 use crate::shading::light::area::AreaLights;
 use crate::shading::light::environment::{Environment, Sun};
 use crate::shading::light::{Light, RoundLight};
+use crate::shading::texture::Picture;
 use crate::simd::Level;
 use description::{FilmDescription, Integrator, LuminousEfficacy, Material, Shadows};
-use crate::shading::texture::Picture;
 
 /// A scene ready to be traced. Made by [`Scene::build`]; nothing about it can fail from then on.
 #[derive(Debug)]
@@ -37,6 +39,8 @@ pub struct Scene {
     /// Whether any of them is a pane, which shadow rays pass.
     pub(crate) has_panes: bool,
     pub(crate) pictures: Vec<Picture>,
+    /// What a ray from the camera stands for.
+    pub(crate) cone: Cone,
     /// All lights that come from one direction, in the file's order.
     pub(crate) lights: Vec<Light>,
     /// Spheres that shine in place of points.
@@ -47,6 +51,10 @@ pub struct Scene {
     pub(crate) local_lights: LocalLights,
     /// Round lights infinitely far away.
     pub(crate) suns: Vec<Sun>,
+    /// Of the lights, round lights and suns, their places in the description.
+    pub(crate) light_numbers: Vec<u32>,
+    pub(crate) round_numbers: Vec<u32>,
+    pub(crate) sun_numbers: Vec<u32>,
     /// Light from directions that hit nothing, and whether the camera sees it.
     pub(crate) environment: Option<(Environment, bool)>,
     /// Whether nothing shines but points and what is as good as a point, and nothing mirrors: what the lecture has.

@@ -209,9 +209,7 @@ mod tests {
     fn checkers_alternate_across_the_origin() {
         let pattern = Pattern::Checker { colors: [[1.0; 4], [0.0; 4]], size: Vec2::splat(0.5) };
         let texture = Texture { factor: [1.0; 4], pattern, vertex_colors: false };
-        let at = |u, v| {
-            evaluate(&texture, &[], Spot::at(Vec2::new(u, v)), [1.0; 4], Role::Color).x
-        };
+        let at = |u, v| evaluate(&texture, &[], Spot::at(Vec2::new(u, v)), [1.0; 4], Role::Color).x;
         assert_eq!(
             [at(0.1, 0.1), at(0.6, 0.1), at(-0.1, 0.1), at(-0.1, -0.1)],
             [1.0, 0.0, 0.0, 1.0]

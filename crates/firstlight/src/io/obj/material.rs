@@ -8,8 +8,8 @@ use crate::io::text::{Tally, counted, did_you_mean, quoted};
 use crate::io::triangles::default_material;
 use crate::io::{FileAccess, Warnings};
 use crate::scene::description::{
-    Alpha, BumpAmount, BumpMap, Facets, Interior, Material, NormalMap, Pattern, Principled, Scalar, Scattering,
-    SceneDescription, Texture,
+    Alpha, BumpAmount, BumpMap, Facets, Interior, Material, NormalMap, Pattern, Principled, Scalar,
+    Scattering, SceneDescription, Texture,
 };
 use indexmap::IndexMap;
 use std::f32::consts::TAU;

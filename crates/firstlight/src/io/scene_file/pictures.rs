@@ -69,7 +69,9 @@ impl Pictures<'_> {
         let to = keys.to.as_ref().map_or(Vec2::Y, |to| to.value.0.as_vec2());
         let length2 = (to - from).length_squared();
         if let Some(At { span, .. }) = keys.to.filter(|_| length2 == 0.0 || !length2.is_finite()) {
-            return Err(self.document.error(&span, "needs a place other than that of from, nearby"));
+            return Err(self
+                .document
+                .error(&span, "needs a place other than that of from, nearby"));
         }
         Ok(Pattern::Gradient { colors: keys.colors.0.map(Into::into), from, to })
     }

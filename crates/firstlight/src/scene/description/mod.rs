@@ -17,15 +17,16 @@ mod view;
 pub use environment::{EnvironmentDescription, Sky};
 pub use light::{CameraLightAmount, Light, LightDescription, SpotFalloff};
 pub use material::{
-    Alpha, BumpAmount, BumpMap, ComplexIndex, Facets, Interior, Material, NormalMap, Pattern, Pixels, Principled,
-    Sampling, Scalar, Scattering, Texels, Texture, UvTransform, Wrap,
+    Alpha, BumpAmount, BumpMap, ComplexIndex, Facets, Interior, Material, NormalMap, Pattern,
+    Pixels, Principled, Sampling, Scalar, Scattering, Texels, Texture, UvTransform, Wrap,
 };
 pub use mesh::Mesh;
 pub use photometry::{Goniometer, PhotometricWeb};
 pub use place::Part;
 pub use shape::{Block, Cone, Cylinder, Disk, Plane, Quad, Shape, Sphere, Surface};
 pub use view::{
-    CameraDescription, CameraSettings, Exposure, FilmDescription, Filter, Integrator, Projection, Shadows,
+    CameraDescription, CameraSettings, Exposure, FilmDescription, Filter, Integrator, Projection,
+    Shadows,
 };
 
 use crate::color::Rgb;

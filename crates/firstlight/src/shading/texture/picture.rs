@@ -62,7 +62,11 @@ impl Picture {
         let mean = |i: u32| {
             let place = uv + ((i as f32 + 0.5) / places - 0.5) * axis;
             let fine = at(level as usize, place);
-            if level.fract() == 0.0 { fine } else { fine.lerp(at(level as usize + 1, place), level.fract()) }
+            if level.fract() == 0.0 {
+                fine
+            } else {
+                fine.lerp(at(level as usize + 1, place), level.fract())
+            }
         };
         (0..places as u32).map(mean).sum::<Vec4>() / places
     }
@@ -70,7 +74,9 @@ impl Picture {
     /// The picture after so many halvings; the smallest that there is, if they are too many.
     fn level(&self, level: usize, role: Role) -> &Pixels {
         let smaller = self.smaller[usize::from(role == Role::Data)].get_or_init(|| {
-            let next = |pixels: &Pixels| (pixels.width.max(pixels.height) > 1).then(|| halved(pixels, role));
+            let next = |pixels: &Pixels| {
+                (pixels.width.max(pixels.height) > 1).then(|| halved(pixels, role))
+            };
             std::iter::successors(next(&self.pixels), next).collect()
         });
         match level.min(smaller.len()) {
@@ -99,8 +105,12 @@ fn halved(pixels: &Pixels, role: Role) -> Pixels {
         }
     }
     let texels = match pixels.texels {
-        Texels::Srgb8(_) => Texels::Srgb8(means.into_iter().map(|mean| codes(mean, role)).collect()),
-        Texels::Linear(_) => Texels::Linear(means.into_iter().map(Vec4::to_array).collect()),
+        Texels::Srgb8(_) => {
+            Texels::Srgb8(means.into_iter().map(|mean| codes(mean, role)).collect())
+        }
+        Texels::Linear(_) => {
+            Texels::Linear(means.into_iter().map(|mean| mean.to_array()).collect())
+        }
     };
     Pixels { name: pixels.name.clone(), width, height, texels }
 }

@@ -1,0 +1,50 @@
+//! The scene as the command line wants it: what a picture shows, and with what it is made.
+
+use crate::args::PictureArgs;
+use crate::input::choose_camera;
+use crate::{Outcome, machine, studio};
+use firstlight::io::{FileAccess, Warnings};
+use firstlight::{Level, SceneDescription};
+
+impl PictureArgs {
+    /// Reads the scene through `access` and lays over it what was asked for.
+    pub(crate) fn prepare(
+        &self,
+        access: &FileAccess,
+        warnings: &mut Warnings,
+    ) -> Outcome<SceneDescription> {
+        let is_model = self.input.is_model();
+        if !is_model {
+            self.studio.refuse()?;
+        }
+        let overrides =
+            if is_model { self.studio.overrides(&self.input.scene)? } else { Vec::new() };
+        let mut scene = self.input.load_with(overrides, access, warnings)?;
+        self.set_film(&mut scene);
+        choose_camera(&mut scene, self.camera.as_deref())?;
+        if is_model {
+            studio::dress(&mut scene, self)?;
+        }
+        Ok(scene)
+    }
+
+    fn set_film(&self, scene: &mut SceneDescription) {
+        let film = &mut scene.film;
+        [film.width, film.height] = self.resolution.unwrap_or([film.width, film.height]);
+        film.samples = self.spp.unwrap_or(film.samples);
+        film.seed = self.seed.unwrap_or(film.seed);
+        film.exposure = self.exposure.unwrap_or(film.exposure);
+        film.view = self.view.unwrap_or(film.view);
+        film.transparent |= self.transparent;
+    }
+
+    /// Worker threads.
+    pub(crate) fn threads(&self) -> usize {
+        self.threads.map_or_else(machine::processors, |threads| threads as usize)
+    }
+
+    /// Instructions to trace with.
+    pub(crate) fn level(&self) -> Level {
+        self.simd.0.unwrap_or_else(Level::detect)
+    }
+}
