@@ -4,8 +4,9 @@ mod common;
 
 use common::*;
 use firstlight::scene::description::*;
+use firstlight::verify::white::{glass, pane};
 use firstlight::{Meter, Ray, Scene, SceneDescription};
-use glam::{DAffine3, DQuat, DVec3, Vec3};
+use glam::{DQuat, DVec3, Vec2, Vec3};
 
 /// A scene for paths of any length in light of radiance 1 from everywhere; `materials` have the indices from 0.
 fn furnace(materials: Vec<Material>) -> SceneDescription {
@@ -15,19 +16,6 @@ fn furnace(materials: Vec<Material>) -> SceneDescription {
     let environment = EnvironmentDescription { sky: Sky::Uniform, factor, rotation, visible: true };
     scene.environment = Some(environment);
     scene
-}
-
-fn ball(scene: &mut SceneDescription, center: DVec3, radius: f64, material: usize) {
-    add_with(scene, Shape::Sphere(Sphere { center, radius }), material);
-}
-
-fn add_with(scene: &mut SceneDescription, shape: Shape, material: usize) {
-    let (name, transform) = ("surface".into(), DAffine3::IDENTITY);
-    scene.surfaces.push(Surface { name, shape, material, transform });
-}
-
-fn pane(index: f32) -> Material {
-    Material { scattering: Scattering::ThinGlass { index }, ..Material::matte("pane", Vec3::ONE) }
 }
 
 /// Radiance along a ray, by enough samples that it is known to `error`.
@@ -106,4 +94,76 @@ fn mixes_and_opacity_are_shares() {
     };
     let mean = (0..8000).map(passes).sum::<f32>() / 8000.0;
     assert!((mean - 0.75).abs() < 0.02, "{mean}");
+}
+
+/// A surface that rises by a tenth of its length is lit by a light above it as one that leans so.
+#[test]
+fn bump_maps_lean_surfaces_as_their_heights_do() {
+    let rise = |amount| {
+        let pattern = Pattern::Gradient {
+            colors: [[0.0; 4], [1.0; 4]],
+            from: Vec2::new(-5.0, 0.0),
+            to: Vec2::new(5.0, 0.0),
+        };
+        let texture = Texture { pattern, ..Texture::constant(Vec3::ONE) };
+        let height = Scalar { texture, channel: 0, complement: false };
+        let bump = Some(BumpMap { height, amount });
+        let mut scene = scene_of(Vec3::ONE);
+        scene.materials[0].bump = bump;
+        add(&mut scene, floor());
+        light(&mut scene, Light::Directional { direction: -DVec3::Z, irradiance: Vec3::ONE });
+        look(&scene, v(0.0, 0.0, 3.0), DVec3::ZERO).x
+    };
+    let leaning = 1.0 / 1.01_f64.sqrt() / std::f64::consts::PI;
+    close(rise(BumpAmount::Metres(1.0)), leaning, 1e-4);
+    close(rise(BumpAmount::Metres(-1.0)), leaning, 1e-4);
+    // The texture coordinates of a plane are metres, so a picture is 1 m wide.
+    close(rise(BumpAmount::Relative(1.0)), leaning, 1e-4);
+    close(rise(BumpAmount::Metres(0.0)), 1.0 / std::f64::consts::PI, 1e-6);
+}
+
+/// A checker board seen to the horizon by a single sample per pixel: its squares fade into their mean, whether it is a
+/// pattern or a picture.
+#[test]
+fn far_squares_fade_instead_of_flickering() {
+    let checker = [[1.0; 4], [0.0, 0.0, 0.0, 1.0]];
+    let size = Vec2::ONE;
+    let mut patterns = vec![(Vec::new(), Pattern::Checker { colors: checker, size })];
+    let square = |i: usize| checker[usize::from((i % 16 < 8) != (i < 128))];
+    let texels = Texels::Linear((0..256).map(square).collect());
+    let picture = Pixels { name: "squares".into(), width: 16, height: 16, texels };
+    let transform = UvTransform::from_scale(Vec2::splat(0.5));
+    let pattern = Pattern::Image {
+        image: 0,
+        uv_set: 0,
+        transform,
+        wrap: [Wrap::Repeat; 2],
+        sampling: Sampling::Bilinear,
+    };
+    patterns.push((vec![std::sync::Arc::new(picture)], pattern));
+    for (images, pattern) in patterns {
+        let mut scene = scene_of(Vec3::ONE);
+        scene.images = images;
+        scene.materials[0].reflectance = Texture { pattern, ..Texture::constant(Vec3::ONE) };
+        add(&mut scene, floor());
+        light(&mut scene, Light::Ambient { radiance: Vec3::ONE });
+        let view = Projection::Perspective { vertical_fov: 0.2 };
+        scene.cameras.push(camera(v(0.0, 0.0, 1.5), v(0.0, 60.0, 0.0), view));
+        let filter = Filter::Box { radius: 0.5 };
+        scene.film = FilmDescription { width: 64, height: 64, samples: 1, filter, ..scene.film };
+        let image = common::picture(&scene).image;
+        // The upper rows under the horizon are hundreds of squares away, the last one some ten.
+        let row = |y: u32| (0..64).map(move |x| (x, y)).map(|(x, y)| image.get(x, y).x);
+        let horizon = (0..64).find(|&y| row(y).all(|v| v > 0.0)).expect("there is a floor");
+        for y in horizon..horizon + 4 {
+            assert!(
+                row(y).all(|v| (v - 0.5).abs() < 0.1),
+                "row {y}: {:?}",
+                row(y).collect::<Vec<_>>()
+            );
+        }
+        let near: Vec<f32> = row(63).collect();
+        let spread = near.iter().fold(0.0, |most: f32, v| most.max((v - 0.5).abs()));
+        assert!(spread > 0.4, "near squares are sharp: {near:?}");
+    }
 }

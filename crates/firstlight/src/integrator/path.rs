@@ -171,7 +171,7 @@ impl<'a> Path<'a> {
         let position = position.as_vec3();
         let start = position + clearance(normal, position.abs(), 0.0) * normal;
         scratch.begin(count);
-        scratch.lobes.push(Lobe { kind: Kind::Lambert, weight: Rgb::splat(PI), share: 1.0 });
+        scratch.lobes.push(Lobe::new(Kind::Lambert, Rgb::splat(PI)));
         scratch.vertices.extend((0..count as u32).map(|sample| Vertex {
             walk: Walk { sharp_only: false, ..Walk::from_eye(sample) },
             position,
@@ -247,7 +247,7 @@ impl<'a> Path<'a> {
             vertex.beyond = crossing.map_or(walk.media, |crossing| crossing.beyond);
             let boundary = crossing.and_then(|crossing| crossing.boundary);
             if crossing.is_some() && boundary.is_none() {
-                lobes.push(Lobe { kind: Kind::Straight, weight: Rgb::ONE, share: 1.0 });
+                lobes.push(Lobe::new(Kind::Straight, Rgb::ONE));
             } else {
                 let emitted = self.scene.emitted(material, &surface);
                 if emitted != Rgb::ZERO {

@@ -35,7 +35,8 @@ pub(super) fn decode(input: &Input) -> Result<Pixels> {
 
 #[cfg(test)]
 mod tests {
-    use crate::io::{Limits, decode};
+    use crate::io::Limits;
+    use crate::io::pixels::decode;
     use crate::scene::description::Texels;
 
     /// A picture of 4 × 4 texels of one colour: a single block of UASTC's mode 8.

@@ -48,6 +48,7 @@ fn unturned(texture: &Texture, direction: Vec2) -> Vec2 {
 struct Maker<'a> {
     scene: &'a Scene,
     at: &'a SurfaceInteraction,
+    frame: Frame,
     boundary: Option<Boundary>,
 }
 
@@ -68,13 +69,13 @@ impl Scene {
         if material.is_matte() {
             let weight = self.evaluate(&material.reflectance, at).xyz();
             if weight != Rgb::ZERO {
-                lobes.push(Lobe { kind: Kind::Lambert, weight, share: 1.0 });
+                lobes.push(Lobe::new(Kind::Lambert, weight));
             }
             return (self.frame(material, at), weight);
         }
         let frame = self.frame(material, at);
         let mut layers = Layers::new(lobes, above(frame.to_local(outgoing)));
-        Maker { scene: self, at, boundary }.add(material, &mut layers);
+        Maker { scene: self, at, frame, boundary }.add(material, &mut layers);
         (frame, layers.finish())
     }
 
@@ -248,6 +249,15 @@ impl Maker<'_> {
         }
     }
 
+    /// The normal of the coat in the frame; varnish fills what the normal map of the surface carves.
+    fn coat_normal(&self, p: &Principled) -> Vec3 {
+        let normal = match &p.clearcoat_normal {
+            Some(map) => self.scene.bent_normal(map, self.at),
+            None => self.at.shading_normal,
+        };
+        above(self.frame.to_local(normal))
+    }
+
     fn principled(&self, p: &Principled, base_color: Rgb) -> PrincipledPoint {
         let [thin, thick] = p.iridescence_thickness_range;
         PrincipledPoint {
@@ -262,6 +272,7 @@ impl Maker<'_> {
             diffuse_transmission_color: self.color(&p.diffuse_transmission_color),
             clearcoat: self.number(&p.clearcoat),
             clearcoat_roughness: self.number(&p.clearcoat_roughness),
+            clearcoat_normal: self.coat_normal(p),
             sheen_color: self.color(&p.sheen_color),
             sheen_roughness: self.number(&p.sheen_roughness),
             iridescence: self.number(&p.iridescence),

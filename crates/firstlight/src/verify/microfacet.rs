@@ -94,7 +94,7 @@ fn m19(readings: &mut Readings) {
 
 /// A lobe alone, seen from `outgoing`.
 fn alone(kind: Kind, outgoing: Vec3, measure: impl FnOnce(&Bsdf<'_>)) {
-    let lobes = [Lobe { kind, weight: Rgb::ONE, share: 1.0 }];
+    let lobes = [Lobe::new(kind, Rgb::ONE)];
     measure(&Bsdf { frame: Frame::along(Vec3::Z, Vec3::X), outgoing, lobes: &lobes });
 }
 

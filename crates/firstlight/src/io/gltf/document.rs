@@ -264,7 +264,7 @@ extension! { Clearcoat {
     clearcoat_texture: TextureInfo,
     clearcoat_roughness_factor: Real,
     clearcoat_roughness_texture: TextureInfo,
-    clearcoat_normal_texture: IgnoredAny,
+    clearcoat_normal_texture: TextureInfo,
 } }
 extension! { DiffuseTransmission {
     diffuse_transmission_factor: Real,

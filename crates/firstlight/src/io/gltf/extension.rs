@@ -15,12 +15,12 @@ const KNOWN: [&str; 28] = [
     "KHR_lights_punctual",
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
+    "KHR_texture_basisu",
     "KHR_texture_transform",
     "KHR_xmp",
     "KHR_xmp_json_ld",
     // Without these a texture's other picture is shown; with them alone, a checkerboard and a warning.
     "EXT_texture_avif",
-    "KHR_texture_basisu",
     "MSFT_texture_dds",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",

@@ -132,7 +132,10 @@ impl Reader<'_, '_, '_> {
             reflectance,
             emission,
             scattering,
-            normal: if unlit { None } else { self.normal(material)? },
+            normal: match unlit {
+                true => None,
+                false => self.normal(material.normal_texture.as_deref(), "normalTexture")?,
+            },
             interior: if unlit { None } else { interior(extensions) },
             alpha: self.alpha(material)?,
             double_sided: material.double_sided,
@@ -144,9 +147,9 @@ impl Reader<'_, '_, '_> {
         material.name.clone().unwrap_or_else(|| format!("material {index}"))
     }
 
-    fn normal(&mut self, material: &document::Material) -> Result<Option<NormalMap>> {
-        let Some(info) = &material.normal_texture else { return Ok(None) };
-        let texture = self.texture([1.0; 4], Some(info), "normalTexture")?;
+    fn normal(&mut self, info: Option<&TextureInfo>, field: &str) -> Result<Option<NormalMap>> {
+        let Some(info) = info else { return Ok(None) };
+        let texture = self.texture([1.0; 4], Some(info), field)?;
         let scale = info.scale.map_or(1.0, |scale| scale.0);
         // A stand-in for a missing picture holds colours, not normals.
         let found = matches!(texture.pattern, Pattern::Image { .. });
@@ -262,9 +265,8 @@ impl Reader<'_, '_, '_> {
                 (e.clearcoat_roughness_factor, e.clearcoat_roughness_texture.as_ref());
             p.clearcoat_roughness =
                 self.scalar(factor, 0.0, info, GREEN, "clearcoatRoughnessTexture")?;
-            if e.clearcoat_normal_texture.is_some() {
-                self.notes.add(self.part, "has a clearcoat normal texture, which is not shown");
-            }
+            let info = e.clearcoat_normal_texture.as_ref();
+            p.clearcoat_normal = self.normal(info, "clearcoatNormalTexture")?;
         }
         if let Some(e) = &extensions.sheen {
             let (factor, info) = (e.sheen_color_factor, e.sheen_color_texture.as_ref());

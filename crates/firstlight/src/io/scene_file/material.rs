@@ -212,6 +212,8 @@ PrincipledKeys {
     clearcoat: Option<TextureKeys<Fraction>>,
     /// Roughness of the varnish. Default 0.
     clearcoat_roughness: Option<TextureKeys<Fraction>>,
+    /// A picture of normals for the varnish, as `normal_map`. Default: smooth, whatever is below it.
+    clearcoat_normal_map: Option<TextureKeys<Reflectance>>,
     /// Colour of the rim of cloth. Default 0.
     sheen_color: Option<TextureKeys<Reflectance>>,
     /// Roughness of the rim of cloth. Default 0.3.
@@ -347,6 +349,9 @@ impl PrincipledKeys {
     }
 
     fn parameters(&mut self, Index(ior): Index, pictures: &mut Pictures<'_>) -> Result<Principled> {
+        let coat_normal = self.clearcoat_normal_map.take();
+        let coat_normal = coat_normal.map(|keys| pictures.texture(Some(keys), Rgb::ONE));
+        let coat_normal = coat_normal.transpose()?.map(|texture| NormalMap { texture, scale: 1.0 });
         let mut number = |keys: &mut Option<TextureKeys<Fraction>>,
                           default: f32|
          -> Result<Scalar> { pictures.scalar(keys.take(), default) };
@@ -369,6 +374,7 @@ impl PrincipledKeys {
             iridescence: number(&mut self.iridescence, 0.0)?,
             iridescence_ior,
             iridescence_thickness: Scalar::constant(1.0),
+            clearcoat_normal: coat_normal,
             iridescence_thickness_range: [(1e9 * thickness) as f32; 2],
             specular_color: pictures.texture(self.specular_color.take(), Rgb::ONE)?,
             sheen_color: pictures.texture(self.sheen_color.take(), Rgb::ZERO)?,

@@ -40,6 +40,7 @@ macro_rules! texture_list {
                     $($ref)+ p.iridescence_thickness.texture,
                 ]);
                 list.extend(p.facets.direction.$iter());
+                list.extend(p.clearcoat_normal.$iter().map(|map| $($ref)+ map.texture));
             }
             Scattering::Mix { amount, .. } => list.push($($ref)+ amount.texture),
         }
@@ -287,6 +288,8 @@ pub struct Principled {
     pub diffuse_transmission_color: Texture,
     pub clearcoat: Scalar,
     pub clearcoat_roughness: Scalar,
+    /// `None`: the surface's own, not that of its normal map.
+    pub clearcoat_normal: Option<NormalMap>,
     pub sheen_color: Texture,
     pub sheen_roughness: Scalar,
     pub iridescence: Scalar,
@@ -312,6 +315,7 @@ impl Default for Principled {
             diffuse_transmission_color: Texture::constant(Rgb::ONE),
             clearcoat: zero.clone(),
             clearcoat_roughness: zero.clone(),
+            clearcoat_normal: None,
             sheen_color: Texture::constant(Rgb::ZERO),
             sheen_roughness: zero.clone(),
             iridescence: zero,

@@ -10,9 +10,9 @@ use super::fresnel::{Fresnel, dielectric};
 use super::ggx::Ggx;
 use super::glass::Glass;
 use super::sheen::Sheen;
-use super::{Kind, Lobe};
+use super::{Frame, Kind, Lobe, above};
 use crate::color::Rgb;
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec3Swizzles};
 
 /// Adds the lobes of one point to a list, from the top.
 #[derive(Debug)]
@@ -42,7 +42,7 @@ impl<'a> Layers<'a> {
         self.scattered += scattered;
         let share = scattered.max_element();
         if share > 0.0 {
-            self.lobes.push(Lobe { kind, weight, share });
+            self.lobes.push(Lobe { share, ..Lobe::new(kind, weight) });
         }
     }
 
@@ -128,13 +128,19 @@ impl<'a> Layers<'a> {
         self.add(Kind::Straight, (1.0 - reflected) * tint, Rgb::ONE);
     }
 
-    /// A coat of varnish of index 1.5 that covers the fraction `amount`; less is left for what is below.
-    pub(crate) fn coat(&mut self, amount: f32, alpha: Alpha) {
-        let below = self.left;
+    /// A coat of varnish of index 1.5 that covers the fraction `amount`; less is left for what is below. `normal`: its own,
+    /// in the frame of the surface.
+    pub(crate) fn coat(&mut self, amount: f32, alpha: Alpha, normal: Vec3) {
+        let (below, seen, first) = (self.left, self.outgoing, self.lobes.len());
         self.left *= amount;
+        let tilt = if normal.z > 0.9999995 { Vec2::ZERO } else { normal.xy() };
+        if tilt != Vec2::ZERO {
+            self.outgoing = above(Frame::around(normal).to_local(seen));
+        }
         let fresnel = Fresnel::Schlick { normal: Rgb::splat(0.04), grazing: 1.0 };
         let reflected = self.facets(fresnel, alpha).x;
-        self.left = below * (1.0 - amount * reflected);
+        self.lobes[first..].iter_mut().for_each(|lobe| lobe.tilt = tilt);
+        (self.left, self.outgoing) = (below * (1.0 - amount * reflected), seen);
     }
 
     /// Cloth's fibres over what is below.

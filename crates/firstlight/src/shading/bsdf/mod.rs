@@ -37,6 +37,8 @@ pub(crate) struct Lobe {
     pub weight: Rgb,
     /// Probability with which it is picked, 0..1; those of a point add up to 1.
     pub share: f32,
+    /// The first two coordinates of its own normal, of length 1, if that is not the frame's: as of varnish over bumps.
+    pub tilt: Vec2,
 }
 
 /// The shapes of lobes. The sharp ones scatter into one direction only.
@@ -187,7 +189,7 @@ impl Bsdf<'_> {
     /// the sharp lobes.
     #[inline(always)]
     pub(crate) fn eval(&self, incoming: Vec3) -> (Rgb, f32) {
-        if let [Lobe { kind: Kind::Lambert, weight, share }] = *self.lobes {
+        if let [Lobe { kind: Kind::Lambert, weight, share, .. }] = *self.lobes {
             let density = incoming.dot(self.frame.normal).max(0.0) * FRAC_1_PI;
             return (weight * density * self.frame.visible(incoming), share * density);
         }
@@ -221,7 +223,9 @@ impl Bsdf<'_> {
         let (lobe, choice) = self.pick(choice)?;
         let outgoing = self.local_outgoing();
         if let Some(local) = lobe.only_direction(outgoing) {
-            return Some(BsdfSample {
+            // A tilted mirror may show what lies behind its own surface.
+            let lost = lobe.kind == Kind::Mirror && local.z <= 0.0;
+            return (!lost).then(|| BsdfSample {
                 incoming: self.frame.to_world(local),
                 weight: lobe.weight / lobe.share,
                 pdf: f32::INFINITY,
@@ -275,8 +279,35 @@ pub(crate) fn above(direction: Vec3) -> Vec3 {
 }
 
 impl Lobe {
+    /// Along the frame's normal, and alone.
+    pub(crate) const fn new(kind: Kind, weight: Rgb) -> Self {
+        Self { kind, weight, share: 1.0, tilt: Vec2::ZERO }
+    }
+
     /// BSDF × |cosine|, sr⁻¹, and density, sr⁻¹.
     fn eval(&self, outgoing: Vec3, incoming: Vec3) -> (Rgb, f32) {
+        let Some(own) = self.own_frame() else { return self.eval_upright(outgoing, incoming) };
+        let turned = own.to_local(incoming);
+        // What is tilted only reflects.
+        if incoming.z <= 0.0 || turned.z <= 0.0 {
+            return same(0.0);
+        }
+        self.eval_upright(above(own.to_local(outgoing)), turned)
+    }
+
+    fn sample(&self, outgoing: Vec3, choice: f32, u: Vec2) -> Option<Vec3> {
+        let Some(own) = self.own_frame() else { return self.sample_upright(outgoing, choice, u) };
+        let turned = self.sample_upright(above(own.to_local(outgoing)), choice, u)?;
+        Some(own.to_world(turned)).filter(|incoming| incoming.z > 0.0)
+    }
+
+    /// The frame of a lobe whose normal is tilted, within that of the surface.
+    fn own_frame(&self) -> Option<Frame> {
+        let up = (1.0 - self.tilt.length_squared()).max(0.0).sqrt();
+        (self.tilt != Vec2::ZERO).then(|| Frame::around(self.tilt.extend(up)))
+    }
+
+    fn eval_upright(&self, outgoing: Vec3, incoming: Vec3) -> (Rgb, f32) {
         let reflects = incoming.z > 0.0;
         let flipped = incoming.with_z(-incoming.z);
         match self.kind {
@@ -301,7 +332,7 @@ impl Lobe {
         }
     }
 
-    fn sample(&self, outgoing: Vec3, choice: f32, u: Vec2) -> Option<Vec3> {
+    fn sample_upright(&self, outgoing: Vec3, choice: f32, u: Vec2) -> Option<Vec3> {
         let flip = |v: Vec3| v.with_z(-v.z);
         match self.kind {
             Kind::Lambert => Some(cosine_weighted(u)),
@@ -322,7 +353,10 @@ impl Lobe {
     /// Where light must come from, if the lobe is sharp.
     fn only_direction(&self, outgoing: Vec3) -> Option<Vec3> {
         match self.kind {
-            Kind::Mirror => Some(mirrored(outgoing, Vec3::Z)),
+            Kind::Mirror => {
+                let normal = self.own_frame().map_or(Vec3::Z, |own| own.normal);
+                Some(mirrored(outgoing, normal))
+            }
             Kind::Straight => Some(-outgoing),
             Kind::Refraction { eta, cos_beyond } => {
                 Some(refracted(outgoing, Vec3::Z, eta, cos_beyond).normalize())

@@ -190,7 +190,7 @@ fn single_scattering_is_reciprocal() {
         ];
         for (i, kind) in kinds.into_iter().enumerate() {
             let b = if matches!(i, 1 | 5) { -b } else { b };
-            let lobe = Lobe { kind, weight: Rgb::ONE, share: 1.0 };
+            let lobe = Lobe::new(kind, Rgb::ONE);
             // From below, a thin surface is seen upside down.
             let (flip_a, flip_b) =
                 if b.z < 0.0 { (a.with_z(-a.z), b.with_z(-b.z)) } else { (a, b) };
@@ -289,4 +289,30 @@ fn brushed_white_metal_is_invisible_in_a_furnace() {
         }
     }
     assert!(worst.0.abs() < 0.005, "{worst:?}");
+}
+
+/// Varnish whose normal is tilted: directions are as likely as said, and polished it mirrors at its own normal.
+#[test]
+fn tilted_coats_are_sampled_as_they_are() {
+    let normal = Vec3::new(0.3, -0.2, 0.9).normalize();
+    let coat = |roughness, outgoing| lobes(outgoing, |l| l.coat(1.0, alpha(roughness), normal));
+    for cos in [0.9, 0.4] {
+        let outgoing = at_cosine(cos);
+        let (rough, n) = (coat(0.6, outgoing), 1 << 18);
+        let bsdf = bsdf(outgoing, &rough);
+        let mut random = Random::new(7);
+        let (mut sampled, mut everywhere) = (0.0, 0.0);
+        for _ in 0..n {
+            let mut unit = || random.unit() as f32;
+            let sample = bsdf.sample(unit(), Vec2::new(unit(), unit()));
+            sampled += sample.map_or(0.0, |sample| f64::from(sample.weight.x));
+            everywhere += f64::from(bsdf.eval(random.direction().as_vec3()).0.x) * 2.0 * TAU;
+        }
+        assert!((sampled / everywhere - 1.0).abs() < 0.01, "{cos}: {sampled} and {everywhere}");
+        let polished = coat(0.0, outgoing);
+        let mirrored = super::tests::bsdf(outgoing, &polished).sample(0.5, Vec2::ZERO).unwrap();
+        assert!(
+            (mirrored.incoming - (2.0 * outgoing.dot(normal) * normal - outgoing)).length() < 1e-5
+        );
+    }
 }
