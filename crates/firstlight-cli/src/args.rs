@@ -83,7 +83,7 @@ pub(crate) struct PictureArgs {
     /// The camera to use; frame: one that shows everything [default: the scene's first]
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
-    /// Stops of exposure (0: radiance 1 is white), or auto
+    /// Stops of exposure (0: radiance 1 is white), auto, or a camera's settings: "1/125 f/8 ISO 100"
     #[arg(long, value_name = "EV|auto", value_parser = exposure, allow_hyphen_values = true)]
     pub exposure: Option<Exposure>,
     /// How bright light is brought into what screens show [default: srgb, cut off at white]
@@ -198,6 +198,9 @@ pub(crate) struct OutputArgs {
     /// File format, if the extension does not say it (- is written as png)
     #[arg(long, value_enum)]
     pub format: Option<FormatName>,
+    /// Round to the nearest of the 256 steps of a PNG, which shows bands in soft shades
+    #[arg(long)]
+    pub no_dither: bool,
 }
 
 #[derive(Debug, Args)]
@@ -630,7 +633,10 @@ fn exposure(text: &str) -> Parsed<Exposure> {
     if text == "auto" {
         return Ok(Exposure::Auto);
     }
-    let wrong = |error| format!("{error}; or auto");
+    if text.contains('/') {
+        return text.parse().map(Exposure::Camera);
+    }
+    let wrong = |error| format!("{error}; or auto, or a camera's \"1/125 f/8 ISO 100\"");
     number(text, FilmDescription::MOST_STOPS).map(Exposure::Ev).map_err(wrong)
 }
 

@@ -15,7 +15,6 @@ use firstlight::render::{
     Crop, PASS as SAMPLES_PER_PASS, Progress, RenderOptions, Rendered, Stop, render, render_layers,
     with_threads,
 };
-use firstlight::scene::description::Exposure;
 use firstlight::{Scene, SceneDescription, auto_exposure};
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
@@ -84,10 +83,10 @@ pub(crate) fn run(args: RenderArgs) -> Outcome {
 fn plan(args: &RenderArgs) -> Outcome<Output> {
     let stem = args.picture.input.stem();
     let Some([from, to]) = args.samples else {
-        let OutputArgs { path, format } = &args.output;
+        let OutputArgs { path, format, no_dither } = &args.output;
         let format =
             format.or(args.aov.as_ref().map(|_| FormatName::Exr).filter(|_| path.is_none()));
-        let output = OutputArgs { path: path.clone(), format };
+        let output = OutputArgs { path: path.clone(), format, no_dither: *no_dither };
         return Output::plan(&output, stem, args.json);
     };
     let mut stem = stem.to_owned();
@@ -170,7 +169,8 @@ fn draw(
     bar.finish();
     rendered.interrupted |= signal.asked();
     let film = scene.film();
-    (Picture::new(rendered, film.exposure, film.view, format), lights)
+    let stops = film.exposure.stops(scene.luminous_efficacy());
+    (Picture::new(rendered, stops, film.view, format), lights)
 }
 
 impl RenderArgs {
@@ -183,12 +183,9 @@ impl RenderArgs {
 
 impl Picture {
     /// With the exposure that is asked for, or found from the picture.
-    pub(crate) fn new(rendered: Rendered, exposure: Exposure, view: View, format: Format) -> Self {
-        let (exposure_ev, auto_exposure) = match exposure {
-            Exposure::Ev(ev) => (ev, false),
-            Exposure::Auto => (auto_exposure(&rendered.image), true),
-        };
-        Self { rendered, exposure_ev, auto_exposure, view, format }
+    pub(crate) fn new(rendered: Rendered, stops: Option<f64>, view: View, format: Format) -> Self {
+        let exposure_ev = stops.unwrap_or_else(|| auto_exposure(&rendered.image));
+        Self { rendered, exposure_ev, auto_exposure: stops.is_none(), view, format }
     }
 }
 
@@ -244,7 +241,7 @@ fn write(
 ) -> Outcome<()> {
     let info = info(args, scene, picture);
     if args.samples.is_none() {
-        return write_picture(&info, picture, output);
+        return write_picture(&info, picture, !args.output.no_dither, output);
     }
     let saved = save_part(&info, &picture.rendered.film);
     let bytes = saved.map_err(|error| Failure { exit: Exit::Failed, error })?;
@@ -252,8 +249,13 @@ fn write(
 }
 
 /// Writes a picture and how it was made.
-pub(crate) fn write_picture(info: &PartInfo, picture: &Picture, output: &Output) -> Outcome<()> {
-    let develop = Develop { exposure_ev: picture.exposure_ev as f32, view: picture.view };
+pub(crate) fn write_picture(
+    info: &PartInfo,
+    picture: &Picture,
+    dither: bool,
+    output: &Output,
+) -> Outcome<()> {
+    let develop = Develop { exposure_ev: picture.exposure_ev as f32, view: picture.view, dither };
     let metadata = metadata(info, picture);
     let bytes = save(&picture.rendered.image, output.format, develop, &metadata)
         .map_err(|error| Failure { exit: Exit::Failed, error })?;
@@ -275,7 +277,7 @@ fn info(args: &RenderArgs, scene: &SceneDescription, picture: &Picture) -> PartI
         crop: [x, y, width, height],
         samples: film.samples,
         seed: film.seed,
-        exposure: if let Exposure::Ev(ev) = film.exposure { Some(ev) } else { None },
+        exposure: film.exposure.stops(scene.luminous_efficacy),
         view: film.view,
         ranges: vec![[from, from + rendered.samples]],
     }

@@ -71,7 +71,8 @@ fn dark(scene: &SceneDescription, picture: &Picture) -> Option<Diagnostic> {
         let error = Diagnostic::new("", "no light reaches what the camera sees: it is all black");
         return Some(error.help("add a light, or move the lights there are"));
     }
-    let develop = Develop { exposure_ev: picture.exposure_ev as f32, view: scene.film.view };
+    let (exposure_ev, view) = (picture.exposure_ev as f32, scene.film.view);
+    let develop = Develop { exposure_ev, view, dither: false };
     let [shown, ..] = develop.display([rendered.brightest, 0.0, 0.0, 1.0]);
     let black = is_developed(picture.format) && srgb_code8(shown) == 0;
     black.then(|| {

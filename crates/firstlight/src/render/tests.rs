@@ -27,7 +27,7 @@ fn after(scene: &Scene, passes: u32, threads: usize, judge: fn(Half) -> Half) ->
     let options = RenderOptions { endless: true, ..RenderOptions::default() };
     let go_on = |_| ControlFlow::Continue(());
     let render = Render::new(scene, &options, &go_on);
-    with_threads(threads, || Render { judge, samples: [0, passes * PASS], ..render }.run())
+    with_threads(threads, || Render { judge, samples: [0, passes * PASS], ..render }.run::<()>().0)
 }
 
 /// How many standard errors the mean of pictures of many seeds is from 1, where samples follow what `judge` has seen.

@@ -13,6 +13,7 @@ use crate::geometry::Analytic;
 use crate::kernels::{ONE_SIDED, PARTLY_THERE};
 use crate::shading::light::environment::Sun;
 use crate::shading::light::{Cone, Light as BuiltLight, RoundLight, Source};
+use crate::shading::texture::Picture;
 use crate::simd::Level;
 use glam::DMat3;
 use std::sync::Arc;
@@ -62,7 +63,8 @@ impl Scene {
             has_panes: description.materials.iter().any(Material::passes_light),
             is_cloudy: description.materials.iter().any(Material::is_cloudy),
             medium: description.medium,
-            images: description.images.clone(),
+            cone: camera.cone(film.samples),
+            pictures: description.images.iter().cloned().map(Picture::new).collect(),
             lights,
             round_lights,
             suns,
