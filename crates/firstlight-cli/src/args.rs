@@ -3,6 +3,7 @@
 use crate::measure::Requests;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use firstlight::color::View;
+use firstlight::doctor::CODES;
 use firstlight::io::scene_file::Override;
 use firstlight::io::{BitDepth, Format, Precision};
 use firstlight::render::Crop;
@@ -34,7 +35,7 @@ Exit codes: 0 done, 1 failed, 2 wrong usage or bad input, 3 a strict check faile
 pub(crate) enum Command {
     /// Render a picture of a scene or model
     Render(Box<RenderArgs>),
-    /// Read everything a scene needs and say what is wrong with it; draws nothing
+    /// Look for what would make the picture of a scene black, white, noisy or wrong; writes nothing
     Check(CheckArgs),
     /// Show what is in a scene or model
     Info(InfoArgs),
@@ -120,11 +121,21 @@ pub(crate) struct RenderArgs {
     /// Print nothing but errors and warnings
     #[arg(short, long)]
     pub quiet: bool,
-    /// End with exit code 3 if there is any warning; the picture is written nevertheless
-    #[arg(long)]
-    pub strict: bool,
+    #[command(flatten)]
+    pub findings: FindingArgs,
     #[command(flatten)]
     pub studio: StudioArgs,
+}
+
+/// What becomes of warnings.
+#[derive(Debug, Args)]
+pub(crate) struct FindingArgs {
+    /// End with exit code 3 if there is any warning; what was asked for is done nevertheless
+    #[arg(long)]
+    pub strict: bool,
+    /// Say nothing of findings with this code, such as light-off; may be repeated
+    #[arg(long, value_name = "CODE", value_parser = codes(), hide_possible_values = true)]
+    pub ignore: Vec<String>,
 }
 
 /// Where a picture goes.
@@ -182,7 +193,7 @@ Examples:
   firstlight render scene.toml -o - --crop 100,80,64,64 > crop.png";
 
 /// The studio around a model file; a scene file says these things itself.
-#[derive(Debug, Args)]
+#[derive(Debug, Default, Args)]
 #[command(next_help_heading = "Studio (model files only)")]
 pub(crate) struct StudioArgs {
     /// Direction of the camera: anticlockwise around the model from its front [default: 30]
@@ -222,12 +233,14 @@ pub(crate) struct StudioArgs {
 pub(crate) struct CheckArgs {
     #[command(flatten)]
     pub input: InputArgs,
+    /// The camera to look through; frame: one that shows everything [default: the scene's first]
+    #[arg(long, value_name = "NAME")]
+    pub camera: Option<String>,
     /// Print a report as JSON on standard output
     #[arg(long)]
     pub json: bool,
-    /// End with exit code 3 if there is any warning
-    #[arg(long)]
-    pub strict: bool,
+    #[command(flatten)]
+    pub findings: FindingArgs,
 }
 
 #[derive(Debug, Args)]
@@ -295,6 +308,10 @@ Examples:
   firstlight verify --all --json
   firstlight verify --group cie171
   firstlight verify --case A01-square-above";
+
+fn codes() -> clap::builder::PossibleValuesParser {
+    CODES.iter().map(|(code, _)| *code).collect::<Vec<_>>().into()
+}
 
 fn group_names() -> clap::builder::PossibleValuesParser {
     GROUPS.iter().map(|(name, _)| *name).collect::<Vec<_>>().into()

@@ -9,6 +9,7 @@ use crate::report::{self, Bar};
 use crate::{Exit, Failure, Outcome, studio, verdict};
 use firstlight::color::View;
 use firstlight::diagnostic::{Diagnostic, Result, visible};
+use firstlight::doctor::{Care, Doctor};
 use firstlight::io::{Develop, FileAccess, Format, Metadata, PartInfo, Warnings, save, save_part};
 use firstlight::render::{
     Crop, PASS as SAMPLES_PER_PASS, Progress, RenderOptions, Rendered, Stop, render, with_threads,
@@ -43,24 +44,28 @@ pub(crate) fn run(args: RenderArgs) -> Outcome {
     output.spare(&access.opened())?;
     check_size(&scene, &args)?;
     check_samples(&scene, args.samples)?;
-    warnings.extend(verdict::foresee(&scene));
     warnings.extend(verdict::opaque(&scene, output.format));
-    report::warnings(&warnings);
     clock.lap("load");
     let level = args.simd.0.unwrap_or_else(Level::detect);
     let built = with_threads(threads, || Scene::build_with(&scene, level, args.build.into()));
     clock.lap("build");
+    let doctor = Doctor::new(&scene, &built);
+    warnings.extend(doctor.examine(Care::Quick));
+    let mut warnings = args.findings.heeded(warnings);
+    report::warnings(&warnings);
+    clock.lap("check");
     let signal = Signal::listen();
     let picture = draw(&args, threads, &built, output.format, &signal);
     clock.lap("render");
-    let doubts = verdict::judge(&scene, &picture);
+    let shown = verdict::shown(&picture, picture.rendered.noise);
+    let doubts = args.findings.heeded(doctor.judge(&shown));
     report::warnings(&doubts);
     warnings.extend(doubts);
     write(&args, &scene, &picture, &output)?;
     clock.lap("write");
     let done = Done { args: &args, scene, built, picture, output, threads, warnings, clock };
     done.report()?;
-    Ok(signal.exit().unwrap_or(match args.strict && !done.warnings.is_empty() {
+    Ok(signal.exit().unwrap_or(match args.findings.strict && !done.warnings.is_empty() {
         true => Exit::Strict,
         false => Exit::Done,
     }))
@@ -90,7 +95,8 @@ fn prepare(
     set_film(&mut scene, args);
     choose_camera(&mut scene, args.camera.as_deref())?;
     if is_model {
-        studio::dress(&mut scene, args)?;
+        let sets_exposure = args.exposure.is_some() || studio::sets_exposure(&args.input);
+        studio::dress(&mut scene, &args.studio, args.camera.as_deref(), sets_exposure)?;
     }
     Ok(scene)
 }

@@ -41,6 +41,7 @@ mod bvh;
 mod camera;
 pub mod color;
 pub mod diagnostic;
+pub mod doctor;
 mod film;
 mod geometry;
 mod image;

@@ -11,6 +11,7 @@ mod lights;
 mod material;
 mod studio;
 
+pub(crate) use build::light_middle;
 pub(crate) use filter::{Meets, OnlyPanes, SeenByCamera, StopsLight};
 pub use framing::{bounds, frame};
 pub(crate) use lights::{LocalLight, LocalLights};
