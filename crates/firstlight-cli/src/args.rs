@@ -221,6 +221,9 @@ pub(crate) struct StudioArgs {
     /// Which look of a glTF file with variants is shown
     #[arg(long, value_name = "NAME")]
     pub variant: Option<String>,
+    /// In which units a glTF file's lights are [default: as its generator is known to write them, else spec]
+    #[arg(long, value_enum, value_name = "UNITS")]
+    pub gltf_lights: Option<LightUnitsName>,
     /// Length of 1 in the file, such as mm or "2.5 cm" [default: 1 m]
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     pub unit: Option<String>,
@@ -339,6 +342,28 @@ impl<T> Switch<T> {
 pub(crate) enum Axis {
     Y,
     Z,
+}
+
+/// The units of a glTF file's lights, as they are called on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum LightUnitsName {
+    /// Candela and lux, as glTF says
+    Spec,
+    /// Watts, as old exports from Blender have them
+    Blender,
+    /// Watts per steradian, as Blender's "Unitless" exports have them
+    Unitless,
+}
+
+impl LightUnitsName {
+    /// Its name in scene files.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Spec => "spec",
+            Self::Blender => "blender",
+            Self::Unitless => "unitless",
+        }
+    }
 }
 
 /// A set of instructions; none: the best there is.

@@ -266,10 +266,10 @@ fn pictures_that_are_black_or_too_bright() {
 #[test]
 fn pictures_that_are_noisy() {
     // A lamp in clear glass is found by chance alone; a bare one is asked.
-    let room = |glass: &str| {
+    let room = |samples: u32, glass: &str| {
         format!(
             "integrator = 'path'
-            film = {{ resolution = [48, 32], samples = 4 }}
+            film = {{ resolution = [48, 32], samples = {samples} }}
             [camera.perspective]
             position = [0, -1.9, 1.5]
             target = [0, 2, 1]
@@ -282,7 +282,7 @@ fn pictures_that_are_noisy() {
         )
     };
     let shade = "[surfaces.shade]\nmaterial = 'glass'\nsphere = { center = [0, 0, 2.8], radius = 0.1 }\n[materials.glass.dielectric]\n";
-    texts_told_apart("noise", &["--spp", "--noise"], &room(shade), &room(""));
+    texts_told_apart("noise", &["--spp", "--noise"], &room(16, shade), &room(64, ""));
 }
 
 #[test]

@@ -20,12 +20,14 @@ pub struct LightDescription {
     /// Radius of the sphere that shines in place of a point, spot or measured luminaire, m, and gives the same from afar;
     /// 0: none does. It is not seen, and does nothing without shadows.
     pub radius: f64,
+    /// Its quantity as its file has it, with the unit, such as `800 lm`; empty if it comes from no file.
+    pub written: String,
 }
 
 impl LightDescription {
     /// A light that casts shadows and has no radius.
     pub fn new(name: impl Into<String>, light: Light) -> Self {
-        Self { name: name.into(), light, shadows: true, radius: 0.0 }
+        Self { name: name.into(), light, shadows: true, radius: 0.0, written: String::new() }
     }
 
     /// Whether its shadows have soft edges. Without shadows, its middle is as good.
