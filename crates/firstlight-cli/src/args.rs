@@ -39,6 +39,8 @@ pub(crate) enum Command {
     Check(CheckArgs),
     /// Show what is in a scene or model
     Info(InfoArgs),
+    /// Show every light with its units, and what of it arrives in the middle of the scene
+    Lights(LightsArgs),
     /// Print the JSON Schema of scene files, for editors
     Schema,
     /// Measure irradiance and radiance at points of a scene
@@ -253,6 +255,21 @@ pub(crate) struct CheckArgs {
 pub(crate) struct InfoArgs {
     #[command(flatten)]
     pub input: InputArgs,
+    /// Print it as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  firstlight lights scene.toml\n  firstlight lights room.glb --json"
+)]
+pub(crate) struct LightsArgs {
+    #[command(flatten)]
+    pub input: InputArgs,
+    /// The camera that lights at the camera follow; frame: one that shows everything [default: the scene's first]
+    #[arg(long, value_name = "NAME")]
+    pub camera: Option<String>,
     /// Print it as JSON
     #[arg(long)]
     pub json: bool,

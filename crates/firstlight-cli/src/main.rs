@@ -4,6 +4,7 @@ mod args;
 mod check;
 mod info;
 mod input;
+mod lights;
 mod machine;
 mod measure;
 mod merge;
@@ -26,6 +27,7 @@ fn main() -> ExitCode {
         Command::Render(args) => render::run(*args),
         Command::Check(args) => check::run(&args),
         Command::Info(args) => info::run(&args),
+        Command::Lights(args) => lights::run(&args),
         Command::Schema => schema::run(),
         Command::Measure(args) => measure::run(&args),
         Command::Merge(args) => merge::run(&args),

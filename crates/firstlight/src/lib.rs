@@ -49,6 +49,7 @@ mod integrator;
 pub mod io;
 mod kernels;
 mod math;
+pub mod passport;
 pub mod render;
 mod sampler;
 pub mod scene;

@@ -16,7 +16,7 @@ const LAYERS: &[&[&str]] = &[
     &["scene"],
     &["integrator"],
     &["render"],
-    &["verify", "doctor"],
+    &["verify", "doctor", "passport"],
     &["io"],
 ];
 

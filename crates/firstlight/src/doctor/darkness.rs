@@ -64,12 +64,15 @@ impl Doctor<'_> {
             }
             _ if tally.averted >= tally.outside => {
                 let part = percent(f64::from(tally.averted) / asked);
-                (format!(": {part} of it faces away from the lights"), self.from_the_other_side())
+                (
+                    format!(": {part} of what is dark faces away from the lights"),
+                    self.from_the_other_side(),
+                )
             }
             _ => {
                 let part = percent(f64::from(tally.outside) / asked);
                 (
-                    format!(": {part} of it is outside of where the lights shine"),
+                    format!(": {part} of what is dark is outside of where the lights shine"),
                     "aim the lights at it, or widen their outer_angle".into(),
                 )
             }
