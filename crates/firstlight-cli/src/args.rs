@@ -2,15 +2,17 @@
 
 use crate::measure::Requests;
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use firstlight::color::View;
+use firstlight::color::{Rgb, View};
 use firstlight::doctor::CODES;
 use firstlight::io::scene_file::Override;
 use firstlight::io::{BitDepth, Format, Precision};
+use firstlight::layers::Layer;
 use firstlight::render::Crop;
-use firstlight::scene::description::{Exposure, FilmDescription};
+use firstlight::scene::description::{Exposure, FilmDescription, Section};
 use firstlight::units::{Dimension, Measure, Quantity};
 use firstlight::verify::GROUPS;
-use firstlight::{BuildQuality, Level};
+use firstlight::{BuildQuality, Level, Look};
+use glam::DVec3;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -26,6 +28,7 @@ const EXIT_CODES: &str = "\
 Examples:
   firstlight render scene.toml -o picture.png
   firstlight render chair.glb --azimuth 60 -r 1920x1080
+  firstlight explain scene.toml --pixel 320,180
   firstlight measure scene.toml --irradiance 0,0,0,0,0,1
   firstlight verify
 
@@ -35,18 +38,22 @@ Exit codes: 0 done, 1 failed, 2 wrong usage or bad input, 3 a strict check faile
 pub(crate) enum Command {
     /// Render a picture of a scene or model
     Render(Box<RenderArgs>),
+    /// Say why a pixel has the colour it has
+    Explain(Box<ExplainArgs>),
     /// Look for what would make the picture of a scene black, white, noisy or wrong; writes nothing
-    Check(CheckArgs),
+    Check(Box<CheckArgs>),
     /// Show what is in a scene or model
     Info(InfoArgs),
     /// Show every light with its units, and what of it arrives in the middle of the scene
-    Lights(LightsArgs),
+    Lights(Box<LightsArgs>),
     /// Print the JSON Schema of scene files, for editors
     Schema,
     /// Measure irradiance and radiance at points of a scene
     Measure(MeasureArgs),
     /// Make one picture of the parts that render --samples has written
     Merge(MergeArgs),
+    /// Mix the lights of a picture again that render --aov light has written
+    Relight(RelightArgs),
     /// Measure scenes whose light is known from a formula, and say whether it is right
     Verify(VerifyArgs),
 }
@@ -65,19 +72,59 @@ pub(crate) struct InputArgs {
     pub allow_path: Vec<PathBuf>,
 }
 
+/// What a picture shows, and with what it is made.
 #[derive(Debug, Args)]
-#[command(after_help = RENDER_EXAMPLES)]
-pub(crate) struct RenderArgs {
+pub(crate) struct PictureArgs {
     #[command(flatten)]
     pub input: InputArgs,
-    #[command(flatten)]
-    pub output: OutputArgs,
     /// Size of the picture in pixels
     #[arg(short, long, value_name = "WxH", value_parser = resolution, allow_hyphen_values = true)]
     pub resolution: Option<[u32; 2]>,
     /// Samples per pixel
     #[arg(long, value_name = "N", value_parser = samples(), allow_negative_numbers = true)]
     pub spp: Option<u32>,
+    /// The camera to use; frame: one that shows everything [default: the scene's first]
+    #[arg(long, value_name = "NAME")]
+    pub camera: Option<String>,
+    /// Stops of exposure (0: radiance 1 is white), or auto
+    #[arg(long, value_name = "EV|auto", value_parser = exposure, allow_hyphen_values = true)]
+    pub exposure: Option<Exposure>,
+    /// How bright light is brought into what screens show [default: srgb, cut off at white]
+    #[arg(long, value_name = "srgb|neutral|agx|aces|filmic|raw", value_parser = view)]
+    pub view: Option<View>,
+    /// What the picture is for: clarity (shape, CAD), balanced (games), real (every way of light) [default: as the scene
+    /// says]
+    #[arg(long, value_name = "clarity|balanced|real", value_parser = look)]
+    pub look: Option<Look>,
+    /// For --look clarity: cut away what lies before the plane through a point, on the side of its normal
+    #[arg(long, value_name = "X,Y,Z,NX,NY,NZ", value_parser = section, requires = "look")]
+    #[arg(allow_hyphen_values = true)]
+    pub section: Option<Section>,
+    /// Make the background transparent
+    #[arg(long)]
+    pub transparent: bool,
+    /// Seed of every random number
+    #[arg(long, value_name = "N", value_parser = seed)]
+    #[arg(allow_negative_numbers = true)]
+    pub seed: Option<u64>,
+    /// Worker threads [default: one per processor]; the picture does not depend on it
+    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    #[arg(allow_negative_numbers = true)]
+    pub threads: Option<u32>,
+    /// Instructions to trace with: auto or a set that this processor has
+    #[arg(long, value_name = "SET", value_parser = simd, default_value = "auto")]
+    pub simd: Simd,
+    #[command(flatten)]
+    pub studio: StudioArgs,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = RENDER_EXAMPLES)]
+pub(crate) struct RenderArgs {
+    #[command(flatten)]
+    pub picture: PictureArgs,
+    #[command(flatten)]
+    pub output: OutputArgs,
     /// Stop after so long, such as 30s or 5min, when all pixels have as many samples; without --spp, take as many as fit
     #[arg(long, value_name = "TIME", value_parser = duration, allow_hyphen_values = true)]
     pub time: Option<Duration>,
@@ -88,35 +135,15 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "A..B", value_parser = sample_range, allow_hyphen_values = true)]
     #[arg(conflicts_with = "noise")]
     pub samples: Option<[u32; 2]>,
-    /// Worker threads [default: one per processor]; the picture does not depend on it
-    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
-    #[arg(allow_negative_numbers = true)]
-    pub threads: Option<u32>,
     /// Work that goes into the scene's trees: preview starts sooner, final traces faster
     #[arg(long, value_enum, value_name = "QUALITY", default_value = "final")]
     pub build: BuildName,
-    /// Seed of every random number
-    #[arg(long, value_name = "N", value_parser = seed)]
-    #[arg(allow_negative_numbers = true)]
-    pub seed: Option<u64>,
     /// Render only this part of the picture, in pixels from its upper left corner
     #[arg(long, value_name = "X,Y,W,H", value_parser = crop, allow_hyphen_values = true)]
     pub crop: Option<Crop>,
-    /// The camera to use; frame: one that shows everything [default: the scene's first]
-    #[arg(long, value_name = "NAME")]
-    pub camera: Option<String>,
-    /// Stops of exposure (0: radiance 1 is white), or auto
-    #[arg(long, value_name = "EV|auto", value_parser = exposure, allow_hyphen_values = true)]
-    pub exposure: Option<Exposure>,
-    /// How bright light is brought into what screens show [default: srgb, cut off at white]
-    #[arg(long, value_name = "srgb|neutral|agx|aces|filmic|raw", value_parser = view)]
-    pub view: Option<View>,
-    /// Make the background transparent
-    #[arg(long)]
-    pub transparent: bool,
-    /// Instructions to trace with: auto or a set that this processor has
-    #[arg(long, value_name = "SET", value_parser = simd, default_value = "auto")]
-    pub simd: Simd,
+    /// Layers to write beside the colour into an .exr file, such as depth,normal,light, or all; see docs/layers.md
+    #[arg(long, value_name = "LAYERS", value_parser = layers, conflicts_with = "samples")]
+    pub aov: Option<Layers>,
     /// Print a report as JSON on standard output
     #[arg(long)]
     pub json: bool,
@@ -125,8 +152,6 @@ pub(crate) struct RenderArgs {
     pub quiet: bool,
     #[command(flatten)]
     pub findings: FindingArgs,
-    #[command(flatten)]
-    pub studio: StudioArgs,
 }
 
 /// What becomes of warnings.
@@ -139,6 +164,40 @@ pub(crate) struct FindingArgs {
     #[arg(long, value_name = "CODE", value_parser = codes(), hide_possible_values = true)]
     pub ignore: Vec<String>,
 }
+
+#[derive(Debug, Args)]
+#[command(after_help = EXPLAIN_EXAMPLES)]
+pub(crate) struct ExplainArgs {
+    #[command(flatten)]
+    pub picture: PictureArgs,
+    /// The pixel, from the upper left corner of the picture, which is 0,0
+    #[arg(long, value_name = "X,Y", value_parser = pixel, allow_hyphen_values = true)]
+    pub pixel: [u32; 2],
+    /// Another pixel: say what differs and by how much
+    #[arg(long, value_name = "X,Y", value_parser = pixel, allow_hyphen_values = true)]
+    pub compare: Option<[u32; 2]>,
+    /// Say what this light does here, and if nothing, why not
+    #[arg(long, value_name = "LIGHT")]
+    pub why_not: Option<String>,
+    /// Say which light and which reflection the noise comes from
+    #[arg(long)]
+    pub noise: bool,
+    /// Draw the rays into this file
+    #[arg(long, value_name = "FILE")]
+    pub svg: Option<PathBuf>,
+    /// Print it all as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+const EXPLAIN_EXAMPLES: &str = "\
+The pixel is made again as render makes it, with the same options; the sum of the explanation is its colour.
+
+Examples:
+  firstlight explain scene.toml --pixel 320,180
+  firstlight explain scene.toml --pixel 320,180 --why-not key
+  firstlight explain scene.toml --pixel 320,180 --compare 400,180
+  firstlight explain chair.glb -r 640x360 --pixel 100,40 --svg rays.svg";
 
 /// Where a picture goes.
 #[derive(Debug, Args)]
@@ -184,12 +243,46 @@ Examples:
   firstlight render scene.toml --spp 64 --samples 32..64 -o b.exr
   firstlight merge a.exr b.exr -o picture.png";
 
+#[derive(Debug, Args)]
+#[command(after_help = RELIGHT_EXAMPLES)]
+pub(crate) struct RelightArgs {
+    /// A picture with layers of light (.exr), from render --aov light
+    #[arg(value_name = "LAYERS")]
+    pub layers: PathBuf,
+    #[command(flatten)]
+    pub output: OutputArgs,
+    /// A light and what its light is multiplied by: a number, a colour, or off; may be repeated
+    #[arg(long, value_name = "NAME=FACTOR", value_parser = relit)]
+    pub light: Vec<(String, Rgb)>,
+    /// Keep only these lights; may be repeated
+    #[arg(long, value_name = "NAME", conflicts_with = "light")]
+    pub only: Vec<String>,
+    /// Stops of exposure, or auto [default: as the picture was to be shown]
+    #[arg(long, value_name = "EV|auto", value_parser = exposure, allow_hyphen_values = true)]
+    pub exposure: Option<Exposure>,
+    /// How bright light is shown [default: srgb]
+    #[arg(long, value_name = "srgb|neutral|agx|aces|filmic|raw", value_parser = view)]
+    pub view: Option<View>,
+    /// Print nothing but errors and warnings
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+const RELIGHT_EXAMPLES: &str = "\
+Nothing is rendered: light adds up, and so do its layers.
+
+Examples:
+  firstlight render scene.toml --aov light -o layers.exr
+  firstlight relight layers.exr --light key=0.5 --light fill=off --exposure 1 -o dusk.png
+  firstlight relight layers.exr --light key=#ffd9a0 -o warm.png";
+
 const RENDER_EXAMPLES: &str = "\
 Examples:
   firstlight render scene.toml
   firstlight render scene.toml -o out.exr --spp 64 -D film.filter=mitchell
   firstlight render chair.glb --azimuth 60 --elevation 15 --ground off --transparent
   firstlight render part.stl --unit mm --key '10 klx' --headlight off
+  firstlight render part.stl --look clarity --section 0,0,0,1,0,0
   firstlight render scene.toml --time 30s
   firstlight render scene.toml --noise 2% --spp 4096
   firstlight render scene.toml -o - --crop 100,80,64,64 > crop.png";
@@ -237,10 +330,7 @@ pub(crate) struct StudioArgs {
 )]
 pub(crate) struct CheckArgs {
     #[command(flatten)]
-    pub input: InputArgs,
-    /// The camera to look through; frame: one that shows everything [default: the scene's first]
-    #[arg(long, value_name = "NAME")]
-    pub camera: Option<String>,
+    pub picture: PictureArgs,
     /// Print a report as JSON on standard output
     #[arg(long)]
     pub json: bool,
@@ -266,10 +356,7 @@ pub(crate) struct InfoArgs {
 )]
 pub(crate) struct LightsArgs {
     #[command(flatten)]
-    pub input: InputArgs,
-    /// The camera that lights at the camera follow; frame: one that shows everything [default: the scene's first]
-    #[arg(long, value_name = "NAME")]
-    pub camera: Option<String>,
+    pub picture: PictureArgs,
     /// Print it as JSON
     #[arg(long)]
     pub json: bool,
@@ -514,6 +601,66 @@ fn crop(text: &str) -> Parsed<Crop> {
         return Err("needs four whole numbers x,y,width,height, such as 100,80,64,64".into());
     };
     Ok(Crop { x, y, width, height })
+}
+
+/// Layers that are wanted.
+#[derive(Debug, Clone)]
+pub(crate) struct Layers(pub Vec<Layer>);
+
+fn layers(text: &str) -> Parsed<Layers> {
+    if text == "all" {
+        return Ok(Layers(Layer::NAMES.iter().map(|(_, layer)| *layer).collect()));
+    }
+    let mut layers = Vec::new();
+    for name in text.split(',').map(str::trim).filter(|name| *name != "rgba") {
+        let layer = name.parse()?;
+        if !layers.contains(&layer) {
+            layers.push(layer);
+        }
+    }
+    Ok(Layers(layers))
+}
+
+fn relit(text: &str) -> Parsed<(String, Rgb)> {
+    let Some((name, factor)) = text.rsplit_once('=') else {
+        return Err("needs a light and a factor, such as key=0.5 or key=off".into());
+    };
+    let factor = match factor {
+        "off" => Rgb::ZERO,
+        "on" => Rgb::ONE,
+        factor => match factor.parse::<f32>() {
+            Ok(number) if number.is_finite() => Rgb::splat(number),
+            _ => {
+                let [r, g, b, _] = firstlight::color::parse(factor)
+                    .map_err(|error| format!("{error}; or a number, or off"))?;
+                Rgb::new(r, g, b)
+            }
+        },
+    };
+    Ok((name.to_owned(), factor))
+}
+
+fn look(text: &str) -> Parsed<Look> {
+    let known = Look::NAMES.iter().find(|(name, _)| *name == text);
+    known.map(|(_, look)| *look).ok_or_else(|| "must be clarity, balanced or real".into())
+}
+
+fn section(text: &str) -> Parsed<Section> {
+    let numbers: Vec<_> = text.split(',').map(|number| number.trim().parse::<f64>()).collect();
+    let [Ok(x), Ok(y), Ok(z), Ok(nx), Ok(ny), Ok(nz)] = numbers[..] else {
+        return Err("needs six numbers: a point and a normal, such as 0,0,0,1,0,0".into());
+    };
+    let (point, normal) = (DVec3::new(x, y, z), DVec3::new(nx, ny, nz).try_normalize());
+    let normal = normal.filter(|_| point.is_finite()).ok_or("needs a normal that is not 0")?;
+    Ok(Section { point, normal })
+}
+
+fn pixel(text: &str) -> Parsed<[u32; 2]> {
+    let numbers: Vec<_> = text.split(',').map(|number| number.trim().parse::<u32>()).collect();
+    let [Ok(x), Ok(y)] = numbers[..] else {
+        return Err("needs two whole numbers x,y, such as 320,180".into());
+    };
+    Ok([x, y])
 }
 
 fn number(text: &str, most: f64) -> Parsed<f64> {

@@ -3,7 +3,6 @@
 use crate::args::CheckArgs;
 use crate::output::{print, print_json};
 use crate::render::Picture;
-use crate::studio::as_rendered;
 use crate::{Exit, Outcome, report, verdict};
 use firstlight::diagnostic::{Diagnostic, visible};
 use firstlight::doctor::{Care, Doctor, degenerate_triangles};
@@ -16,8 +15,9 @@ use std::ops::ControlFlow;
 
 pub(crate) fn run(args: &CheckArgs) -> Outcome {
     let mut warnings = Warnings::new();
-    let scene = args.input.load(&mut warnings)?;
-    let shown = as_rendered(&args.input, &scene, args.camera.as_deref())?;
+    let scene = args.picture.read(&args.picture.input.access(), &mut warnings)?;
+    let mut shown = scene.clone();
+    args.picture.complete(&mut shown)?;
     warnings.extend(findings(shown));
     let warnings = args.findings.heeded(warnings);
     report::warnings(&warnings);
@@ -74,12 +74,12 @@ fn summary(args: &CheckArgs, scene: &SceneDescription, warnings: usize) -> Strin
         counted(scene.cameras.len(), "camera"),
         counted(warnings, "warning"),
     ];
-    format!("{}: {}\n", visible(&args.input.name()), parts.join(", "))
+    format!("{}: {}\n", visible(&args.picture.input.name()), parts.join(", "))
 }
 
 fn json(args: &CheckArgs, scene: &SceneDescription, warnings: &Warnings) -> serde_json::Value {
     json!({
-        "scene": args.input.name(),
+        "scene": args.picture.input.name(),
         "surfaces": scene.surfaces.len(),
         "triangles": triangles(scene),
         "degenerate_triangles": degenerate_triangles(scene),

@@ -273,6 +273,7 @@ fn integrator_text(integrator: Integrator) -> String {
             format!("ambient occlusion within {}", units::format(distance, "m"))
         }
         Integrator::AmbientOcclusion { .. } => "ambient occlusion".into(),
+        Integrator::Clarity { .. } => "clarity".into(),
     }
 }
 

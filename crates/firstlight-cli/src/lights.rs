@@ -2,7 +2,6 @@
 
 use crate::args::LightsArgs;
 use crate::output::{print, print_json};
-use crate::studio::as_rendered;
 use crate::{Exit, Outcome, report};
 use firstlight::color::{Rgb, luminance};
 use firstlight::diagnostic::visible;
@@ -14,8 +13,7 @@ use serde_json::{Value, json};
 
 pub(crate) fn run(args: &LightsArgs) -> Outcome {
     let mut warnings = Warnings::new();
-    let scene = args.input.load(&mut warnings)?;
-    let scene = as_rendered(&args.input, &scene, args.camera.as_deref())?;
+    let scene = args.picture.prepare(&args.picture.input.access(), &mut warnings)?;
     report::warnings(&warnings);
     let built = Scene::build_with(&scene, Level::detect(), BuildQuality::Preview);
     let passport = Passport::new(&scene, &built);
@@ -59,7 +57,7 @@ fn as_text(args: &LightsArgs, passport: &Passport) -> String {
     let efficacy = units::format(passport.luminous_efficacy, "lm/W");
     let head = format!(
         "{}: {efficacy}; irradiance and illuminance are those in the middle of the scene, ({x}, {y}, {z}), with nothing in between\n",
-        visible(&args.input.name())
+        visible(&args.picture.input.name())
     );
     let lights: String = rows.iter().map(line).collect();
     let none = if passport.lights.is_empty() { "there are no lights\n" } else { "" };
@@ -117,7 +115,7 @@ fn as_json(args: &LightsArgs, passport: &Passport, warnings: &Warnings) -> Value
         })
     };
     json!({
-        "scene": args.input.name(),
+        "scene": args.picture.input.name(),
         "luminous_efficacy": efficacy,
         "middle_m": passport.middle.to_array(),
         "lights": passport.lights.iter().map(light).collect::<Value>(),

@@ -2,13 +2,18 @@
 
 mod args;
 mod check;
+mod drawing;
+mod explain;
 mod info;
 mod input;
+mod layers;
 mod lights;
 mod machine;
 mod measure;
 mod merge;
 mod output;
+mod picture;
+mod relight;
 mod render;
 mod report;
 mod rows;
@@ -25,12 +30,14 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Render(args) => render::run(*args),
+        Command::Explain(args) => explain::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Lights(args) => lights::run(&args),
         Command::Schema => schema::run(),
         Command::Measure(args) => measure::run(&args),
         Command::Merge(args) => merge::run(&args),
+        Command::Relight(args) => relight::run(&args),
         Command::Verify(args) => verify::run(&args),
     };
     let exit = result.unwrap_or_else(|failure| {

@@ -1,21 +1,23 @@
 //! `firstlight render`: a picture of a scene or model.
 
-use crate::args::RenderArgs;
+use crate::args::{FormatName, OutputArgs, RenderArgs};
 use crate::check::triangles;
-use crate::input::choose_camera;
+use crate::layers::{self, Scenes};
 use crate::machine::{self, Signal};
 use crate::output::{Output, print_json};
 use crate::report::{self, Bar};
-use crate::{Exit, Failure, Outcome, studio, verdict};
+use crate::{Exit, Failure, Outcome, verdict};
 use firstlight::color::View;
 use firstlight::diagnostic::{Diagnostic, Result, visible};
 use firstlight::doctor::{Care, Doctor};
-use firstlight::io::{Develop, FileAccess, Format, Metadata, PartInfo, Warnings, save, save_part};
+use firstlight::io::{Develop, Format, Metadata, PartInfo, Warnings, save, save_part};
+use firstlight::layers::LightLayers;
 use firstlight::render::{
-    Crop, PASS as SAMPLES_PER_PASS, Progress, RenderOptions, Rendered, Stop, render, with_threads,
+    Crop, PASS as SAMPLES_PER_PASS, Progress, RenderOptions, Rendered, Stop, render, render_layers,
+    with_threads,
 };
 use firstlight::scene::description::Exposure;
-use firstlight::{Level, Scene, SceneDescription, auto_exposure};
+use firstlight::{Scene, SceneDescription, auto_exposure};
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -37,17 +39,19 @@ pub(crate) struct Picture {
 pub(crate) fn run(args: RenderArgs) -> Outcome {
     let mut clock = Clock::start();
     let output = plan(&args)?;
-    let threads = args.threads.map_or_else(machine::processors, |threads| threads as usize);
+    layers::check_format(&args, &output)?;
+    let threads = args.picture.threads();
     let mut warnings = Warnings::new();
-    let access = args.input.access();
-    let scene = with_threads(threads, || prepare(&args, &access, &mut warnings))?;
+    let access = args.picture.input.access();
+    let scene = with_threads(threads, || args.picture.prepare(&access, &mut warnings))?;
     output.spare(&access.opened())?;
     check_size(&scene, &args)?;
     check_samples(&scene, args.samples)?;
     warnings.extend(verdict::opaque(&scene, output.format));
     clock.lap("load");
-    let level = args.simd.0.unwrap_or_else(Level::detect);
+    let level = args.picture.level();
     let built = with_threads(threads, || Scene::build_with(&scene, level, args.build.into()));
+    layers::check_size(&args, &built)?;
     clock.lap("build");
     let doctor = Doctor::new(&scene, &built);
     warnings.extend(doctor.examine(Care::Quick));
@@ -55,13 +59,21 @@ pub(crate) fn run(args: RenderArgs) -> Outcome {
     report::warnings(&warnings);
     clock.lap("check");
     let signal = Signal::listen();
-    let picture = draw(&args, threads, &built, output.format, &signal);
+    let (picture, lights) = draw(&args, threads, &built, output.format, &signal);
     clock.lap("render");
     let shown = verdict::shown(&picture, picture.rendered.noise);
     let doubts = args.findings.heeded(doctor.judge(&shown));
     report::warnings(&doubts);
     warnings.extend(doubts);
-    write(&args, &scene, &picture, &output)?;
+    match (&args.aov, lights) {
+        (Some(wanted), Some(lights)) => {
+            let scenes = Scenes { description: &scene, built: &built };
+            let metadata = metadata(&info(&args, &scene, &picture), &picture);
+            let bytes = layers::encode(wanted, &scenes, threads, &picture, &lights, &metadata)?;
+            output.write(&bytes)?;
+        }
+        _ => write(&args, &scene, &picture, &output)?,
+    }
     clock.lap("write");
     let done = Done { args: &args, scene, built, picture, output, threads, warnings, clock };
     done.report()?;
@@ -73,42 +85,17 @@ pub(crate) fn run(args: RenderArgs) -> Outcome {
 
 /// Where the picture or the part of it goes.
 fn plan(args: &RenderArgs) -> Outcome<Output> {
-    let stem = args.input.stem();
-    let Some([from, to]) = args.samples else { return Output::plan(&args.output, stem, args.json) };
+    let stem = args.picture.input.stem();
+    let Some([from, to]) = args.samples else {
+        let OutputArgs { path, format } = &args.output;
+        let format =
+            format.or(args.aov.as_ref().map(|_| FormatName::Exr).filter(|_| path.is_none()));
+        let output = OutputArgs { path: path.clone(), format };
+        return Output::plan(&output, stem, args.json);
+    };
     let mut stem = stem.to_owned();
     stem.push(format!(".{from}-{to}"));
     Output::plan_part(&args.output, &stem, args.json)
-}
-
-/// The scene as the command line wants it.
-fn prepare(
-    args: &RenderArgs,
-    access: &FileAccess,
-    warnings: &mut Warnings,
-) -> Outcome<SceneDescription> {
-    let is_model = args.input.is_model();
-    if !is_model {
-        args.studio.refuse()?;
-    }
-    let overrides = if is_model { args.studio.overrides(&args.input.scene)? } else { Vec::new() };
-    let mut scene = args.input.load_with(overrides, access, warnings)?;
-    set_film(&mut scene, args);
-    choose_camera(&mut scene, args.camera.as_deref())?;
-    if is_model {
-        let sets_exposure = args.exposure.is_some() || studio::sets_exposure(&args.input);
-        studio::dress(&mut scene, &args.studio, args.camera.as_deref(), sets_exposure)?;
-    }
-    Ok(scene)
-}
-
-fn set_film(scene: &mut SceneDescription, args: &RenderArgs) {
-    let film = &mut scene.film;
-    [film.width, film.height] = args.resolution.unwrap_or([film.width, film.height]);
-    film.samples = args.spp.unwrap_or(film.samples);
-    film.seed = args.seed.unwrap_or(film.seed);
-    film.exposure = args.exposure.unwrap_or(film.exposure);
-    film.view = args.view.unwrap_or(film.view);
-    film.transparent |= args.transparent;
 }
 
 /// Whether the picture has the samples that are asked for.
@@ -157,7 +144,7 @@ fn draw(
     scene: &Scene,
     format: Format,
     signal: &Signal,
-) -> Picture {
+) -> (Picture, Option<LightLayers>) {
     let options = RenderOptions {
         threads,
         crop: args.crop,
@@ -168,20 +155,28 @@ fn draw(
     };
     let bar = Bar::new(!args.quiet && !args.json);
     let limits = Limits { signal, start: Instant::now(), args };
-    let mut rendered = render(scene, &options, &|progress| {
+    let observe = |progress: Progress| {
         bar.show(progress, limits.used(progress));
         limits.judge(progress)
-    });
+    };
+    let (mut rendered, lights) = match &args.aov {
+        None => (render(scene, &options, &observe), None),
+        Some(_) => {
+            let (rendered, lights) = render_layers(scene, &options, &observe);
+            (rendered, Some(lights))
+        }
+    };
     bar.finish();
     rendered.interrupted |= signal.asked();
-    Picture::new(rendered, scene.film().exposure, scene.film().view, format)
+    let film = scene.film();
+    (Picture::new(rendered, film.exposure, film.view, format), lights)
 }
 
 impl RenderArgs {
     /// Whether the number of samples is not known from the start.
     fn is_endless(&self) -> bool {
         self.noise.is_some()
-            || (self.time.is_some() && self.spp.is_none() && self.samples.is_none())
+            || (self.time.is_some() && self.picture.spp.is_none() && self.samples.is_none())
     }
 }
 
@@ -211,7 +206,7 @@ impl Limits<'_> {
             return ControlFlow::Break(if part { Stop::AfterPass } else { Stop::Now });
         }
         let too_many =
-            self.args.is_endless() && self.args.spp.is_some_and(|n| progress.samples >= n);
+            self.args.is_endless() && self.args.picture.spp.is_some_and(|n| progress.samples >= n);
         if too_many || self.is_late(progress) {
             return ControlFlow::Break(Stop::AfterPass);
         }
@@ -234,7 +229,8 @@ impl Limits<'_> {
             .args
             .time
             .map_or(0.0, |limit| of(self.start.elapsed().as_secs_f64(), limit.as_secs_f64()));
-        let samples = self.args.spp.map_or(0.0, |spp| of(progress.samples.into(), spp.into()));
+        let samples =
+            self.args.picture.spp.map_or(0.0, |spp| of(progress.samples.into(), spp.into()));
         progress.done.max(time).max(samples).min(1.0)
     }
 }
@@ -272,7 +268,7 @@ fn info(args: &RenderArgs, scene: &SceneDescription, picture: &Picture) -> PartI
         software: Metadata::default().software,
         // Only those who have parts to compare need it.
         fingerprint: args.samples.map_or(String::new(), |_| scene.fingerprint()),
-        scene: args.input.name(),
+        scene: args.picture.input.name(),
         camera: camera_name(scene).to_owned(),
         resolution: [film.width, film.height],
         crop: [x, y, width, height],
@@ -365,7 +361,7 @@ impl Done<'_> {
     fn json(&self) -> Value {
         let (rendered, scene) = (&self.picture.rendered, &self.scene);
         json!({
-            "scene": self.args.input.name(),
+            "scene": self.args.picture.input.name(),
             "output": self.output.name(),
             "width": rendered.image.width(),
             "height": rendered.image.height(),

@@ -1,7 +1,6 @@
 //! The studio around a model, as the command line asks for it.
 
-use crate::args::{Axis, InputArgs, StudioArgs};
-use crate::input::choose_camera;
+use crate::args::{Axis, InputArgs, PictureArgs, StudioArgs};
 use firstlight::SceneDescription;
 use firstlight::color::Rgb;
 use firstlight::diagnostic::{Diagnostic, Result};
@@ -110,14 +109,9 @@ fn rgb([r, g, b, _]: [f32; 4]) -> Rgb {
 
 /// Puts the studio around a model. Its own camera is kept unless a direction is asked for; its own lights are used
 /// alone, unless others are asked for, and with an exposure that suits them.
-pub(crate) fn dress(
-    scene: &mut SceneDescription,
-    args: &StudioArgs,
-    camera: Option<&str>,
-    sets_exposure: bool,
-) -> Result<()> {
-    if args.has_view() {
-        if camera.is_some_and(|name| name != "frame") {
+pub(crate) fn dress(scene: &mut SceneDescription, args: &PictureArgs) -> Result<()> {
+    if args.studio.has_view() {
+        if args.camera.as_deref().is_some_and(|name| name != "frame") {
             let error = Diagnostic::new("--camera", "a named camera has a direction of its own");
             return Err(Box::new(error.help("leave out --azimuth and --elevation")));
         }
@@ -125,10 +119,10 @@ pub(crate) fn dress(
     }
     let own_lights = !scene.lights.is_empty() || scene.environment.is_some();
     let (transparent, efficacy) = (scene.film.transparent, scene.luminous_efficacy.0);
-    let studio = args.studio(own_lights, transparent, efficacy);
+    let studio = args.studio.studio(own_lights, transparent, efficacy);
     if own_lights {
         scene.lights.extend(studio.lights());
-        if !sets_exposure {
+        if !sets_exposure(args) {
             scene.film.exposure = Exposure::Auto;
         }
     }
@@ -136,21 +130,8 @@ pub(crate) fn dress(
     Ok(())
 }
 
-/// Whether an override gives the exposure.
-pub(crate) fn sets_exposure(InputArgs { define, .. }: &InputArgs) -> bool {
-    define.iter().any(|set| set.path().eq(["film", "exposure"]))
-}
-
-/// The scene as `render` shows it without options: models in the studio, and one camera chosen.
-pub(crate) fn as_rendered(
-    input: &InputArgs,
-    scene: &SceneDescription,
-    camera: Option<&str>,
-) -> Result<SceneDescription> {
-    let mut scene = scene.clone();
-    choose_camera(&mut scene, camera)?;
-    if input.is_model() {
-        dress(&mut scene, &StudioArgs::default(), camera, sets_exposure(input))?;
-    }
-    Ok(scene)
+/// Whether the exposure was given on the command line.
+fn sets_exposure(args: &PictureArgs) -> bool {
+    let InputArgs { define, .. } = &args.input;
+    args.exposure.is_some() || define.iter().any(|set| set.path().eq(["film", "exposure"]))
 }

@@ -85,7 +85,7 @@ impl Maker<'_> {
             _ => light_middle(described, self.scene.camera()).and_then(|l| self.arrival(&l)),
         };
         let ambient = match described.light {
-            Described::Ambient { radiance } => PI as f32 * radiance,
+            Described::Ambient { radiance, .. } => PI as f32 * radiance,
             _ => Rgb::ZERO,
         };
         let shadows = described.shadows && !matches!(described.light, Described::Camera { .. });
@@ -98,7 +98,7 @@ impl Maker<'_> {
             power,
             intensity,
             radiance: match described.light {
-                Described::Ambient { radiance } => Some(radiance),
+                Described::Ambient { radiance, .. } => Some(radiance),
                 Described::Sun { irradiance, angular_radius, .. } => {
                     Some(irradiance / (PI * angular_radius.sin().powi(2)) as f32)
                 }

@@ -3,14 +3,15 @@
 use crate::film::{Film, FilterSampler, Half, Noise, Tile};
 use crate::geometry::Ray;
 use crate::image::Image;
-use crate::integrator::{FILM, Gatherer, LENS, RayCounts};
+use crate::integrator::{FILM, Gatherer, LENS, RayCounts, Record, Recorder};
+use crate::layers::{LightLayers, LightTile, Taken};
 use crate::sampler::{PathPoints, Sampler, pairs};
 use crate::scene::Scene;
 use crate::scene::description::FilmDescription;
 use crate::simd::{Kernel, Simd};
 use glam::Vec2;
 use rayon::prelude::*;
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 use std::sync::Mutex;
 
 /// What to render and with what.
@@ -122,7 +123,19 @@ pub fn render(
     options: &RenderOptions,
     observe: &(dyn Fn(Progress) -> ControlFlow<Stop> + Sync),
 ) -> Rendered {
-    with_threads(options.threads, || Render::new(scene, options, observe).run())
+    with_threads(options.threads, || Render::new(scene, options, observe).run::<()>().0)
+}
+
+/// The same, with the light of each source kept apart.
+pub fn render_layers(
+    scene: &Scene,
+    options: &RenderOptions,
+    observe: &(dyn Fn(Progress) -> ControlFlow<Stop> + Sync),
+) -> (Rendered, LightLayers) {
+    let render = Render::new(scene, options, observe);
+    let (rendered, tiles) = with_threads(options.threads, || render.run());
+    let layers = LightLayers::new(scene, render.origin, render.size, tiles);
+    (rendered, layers)
 }
 
 /// Does `work`, such as building a scene, with so many worker threads; 0: one per processor.
@@ -132,6 +145,41 @@ pub fn with_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) ->
         // The system refuses threads: do the work on this one and on whatever rayon has.
         Err(_) => work(),
     }
+}
+
+/// Some samples of one pixel, and all that happened to them.
+pub(crate) struct Replayed<'a> {
+    /// Their numbers in the picture.
+    pub samples: Range<u32>,
+    /// The weight of each under the filter; 0 if it was dropped.
+    pub weights: &'a [f32],
+    /// What happened.
+    pub record: &'a Record,
+}
+
+/// Takes these samples of the pixel in column `x`, row `y` as [`render`] does, and shows them to `observe`, a pass at a
+/// time. Returns the pixel's linear RGBA.
+pub(crate) fn replay(
+    scene: &Scene,
+    [x, y]: [u32; 2],
+    samples: Range<u32>,
+    mut observe: impl FnMut(Replayed<'_>),
+) -> [f32; 4] {
+    let crop = Some(Crop { x, y, width: 1, height: 1 });
+    let options = RenderOptions { crop, ..RenderOptions::default() };
+    let render = Render::new(scene, &options, &|_| ControlFlow::Continue(()));
+    let (mut film, mut worker) = (Film::new(render.origin, render.size), Worker::default());
+    let mut record = Record::default();
+    for first in samples.clone().step_by(PASS as usize) {
+        let samples = first..samples.end.min(first + PASS);
+        record.clear();
+        for tile in film.tiles_mut() {
+            let (samples, worker, recorder) = (samples.clone(), &mut worker, &mut record);
+            take_recorded(&render, tile, samples, worker, recorder);
+        }
+        observe(Replayed { samples, weights: &worker.weights, record: &record });
+    }
+    film.image().pixels()[0]
 }
 
 struct Render<'a> {
@@ -185,13 +233,15 @@ impl<'a> Render<'a> {
         }
     }
 
-    fn run(&self) -> Rendered {
+    fn run<K: Keeper>(&self) -> (Rendered, Vec<K>) {
         let mut film = Film::new(self.origin, self.size);
+        let mut keepers: Vec<K> =
+            film.tiles_mut().iter().map(|tile| K::of(self.scene, tile)).collect();
         let [first, end] = self.samples;
         let (mut next, mut judged_at, mut good) = (first, FEWEST_TO_JUDGE, false);
         while next < end && !good && self.tally().stop.is_none() {
             let pass = next..end.min(next + PASS);
-            self.pass(film.tiles_mut(), pass.clone());
+            self.pass(film.tiles_mut(), &mut keepers, pass.clone());
             if self.tally().stop != Some(Stop::Now) || self.passes_done() {
                 next = pass.end;
             }
@@ -202,7 +252,7 @@ impl<'a> Render<'a> {
             }
         }
         let tally = self.tally();
-        Rendered {
+        let rendered = Rendered {
             interrupted: next < end && !good && tally.stop != Some(Stop::AfterPass),
             rays: tally.rays,
             surface_rays: tally.surface_rays,
@@ -210,15 +260,17 @@ impl<'a> Render<'a> {
             dropped: tally.dropped,
             first_dropped: tally.first_dropped,
             ..Rendered::of_film(film, next - first)
-        }
+        };
+        drop(tally);
+        (rendered, keepers)
     }
 
     /// Takes samples of every pixel.
-    fn pass(&self, tiles: &mut [Tile], samples: std::ops::Range<u32>) {
-        tiles.par_iter_mut().for_each_init(Worker::default, |worker, tile| {
+    fn pass<K: Keeper>(&self, tiles: &mut [Tile], keepers: &mut [K], samples: Range<u32>) {
+        let tiles = tiles.par_iter_mut().zip(keepers);
+        tiles.for_each_init(Worker::default, |worker, (tile, keeper)| {
             if self.tally().stop != Some(Stop::Now) {
-                let level = self.scene.level();
-                level.run(TilePass { render: self, tile, samples: samples.clone(), worker });
+                keeper.take(self, tile, samples.clone(), worker);
                 self.report(worker);
             }
         });
@@ -297,21 +349,96 @@ fn judge_again(samples: u32, above: f64) -> u32 {
     (next as u32).next_multiple_of(2 * PASS)
 }
 
-/// One pass over one tile, with all its stages compiled for the processor's level.
-struct TilePass<'a> {
-    render: &'a Render<'a>,
-    tile: &'a mut Tile,
-    samples: std::ops::Range<u32>,
-    worker: &'a mut Worker,
+/// Takes samples of a tile, and keeps what it wants to know of them besides their sums.
+trait Keeper: Send {
+    /// For a tile that has no samples yet.
+    fn of(scene: &Scene, tile: &Tile) -> Self;
+
+    /// Takes the samples.
+    fn take(
+        &mut self,
+        render: &Render<'_>,
+        tile: &mut Tile,
+        samples: Range<u32>,
+        worker: &mut Worker,
+    );
 }
 
-impl Kernel for TilePass<'_> {
+/// Keeps nothing.
+impl Keeper for () {
+    fn of(_: &Scene, _: &Tile) {}
+
+    fn take(
+        &mut self,
+        render: &Render<'_>,
+        tile: &mut Tile,
+        samples: Range<u32>,
+        worker: &mut Worker,
+    ) {
+        let recorder = &mut ();
+        render.scene.level().run(TilePass { render, tile, samples, worker, recorder });
+    }
+}
+
+impl Keeper for LightTile {
+    fn of(scene: &Scene, tile: &Tile) -> Self {
+        Self::new(scene, tile.pixels.len())
+    }
+
+    fn take(
+        &mut self,
+        render: &Render<'_>,
+        tile: &mut Tile,
+        samples: Range<u32>,
+        worker: &mut Worker,
+    ) {
+        let mut record = Record::default();
+        take_recorded(render, tile, samples, worker, &mut record);
+        let pixels = worker.pixels.iter().map(|&(pixel, _)| pixel);
+        let samples: Vec<Taken> = pixels
+            .zip(&worker.weights)
+            .zip(worker.gatherer.samples(render.scene))
+            .map(|((pixel, &weight), sample)| Taken { pixel, weight, sample: *sample })
+            .collect();
+        self.add(&samples, &record);
+    }
+}
+
+/// Takes samples of a tile and records all that happens, with instructions that every processor has: to compile all
+/// stages for this once more at each level would not pay.
+fn take_recorded(
+    render: &Render<'_>,
+    tile: &mut Tile,
+    samples: Range<u32>,
+    worker: &mut Worker,
+    recorder: &mut Record,
+) {
+    TilePass { render, tile, samples, worker, recorder }.take();
+}
+
+/// One pass over one tile, with all its stages compiled for the processor's level.
+struct TilePass<'a, R> {
+    render: &'a Render<'a>,
+    tile: &'a mut Tile,
+    samples: Range<u32>,
+    worker: &'a mut Worker,
+    recorder: &'a mut R,
+}
+
+impl<R: Recorder> Kernel for TilePass<'_, R> {
     type Output = ();
 
-    /// Adds the samples to every pixel of the tile.
     #[inline(always)]
     fn run<S: Simd>(self, _: S) {
-        let Self { render, tile, samples, worker } = self;
+        self.take();
+    }
+}
+
+impl<R: Recorder> TilePass<'_, R> {
+    /// Takes the samples of every pixel of the tile.
+    #[inline(always)]
+    fn take(self) {
+        let Self { render, tile, samples, worker, recorder } = self;
         let (camera, film) = (render.scene.camera(), render.scene.film());
         let Worker { pixels, points, film_points, lens_points, rays, weights, .. } = worker;
         pixels.clear();
@@ -336,10 +463,12 @@ impl Kernel for TilePass<'_> {
             rays.push(camera.ray(place, lens_points.get(i).copied().unwrap_or_default()));
             weights.push(weight);
         }
-        let samples = worker.gatherer.gather(render.scene, film.transparent, rays, points);
-        for ((sample, &(pixel, half)), &weight) in samples.iter().zip(&*pixels).zip(&*weights) {
-            if !tile.pixels[pixel].add(sample, weight, half) {
+        let samples =
+            worker.gatherer.gather(render.scene, film.transparent, rays, points, recorder);
+        for ((sample, &(pixel, half)), weight) in samples.iter().zip(&*pixels).zip(weights) {
+            if !tile.pixels[pixel].add(sample, *weight, half) {
                 worker.dropped.get_or_insert((tile.place(pixel), 0)).1 += 1;
+                *weight = 0.0;
             }
         }
     }
@@ -355,7 +484,7 @@ struct Worker {
     /// Where each path crosses the film, and the lens if that matters: pairs of numbers in 0..1.
     film_points: Vec<Vec2>,
     lens_points: Vec<Vec2>,
-    /// Each path's first ray and its weight under the filter.
+    /// Each path's first ray and its weight under the filter, 0 if its sample was dropped.
     rays: Vec<Ray>,
     weights: Vec<f32>,
     gatherer: Gatherer,

@@ -14,9 +14,10 @@ const LAYERS: &[&[&str]] = &[
     &["kernels", "camera", "film"],
     &["bvh", "shading"],
     &["scene"],
-    &["integrator"],
+    &["integrator", "look"],
+    &["layers"],
     &["render"],
-    &["verify", "doctor", "passport"],
+    &["doctor", "explain", "passport", "verify"],
     &["io"],
 ];
 

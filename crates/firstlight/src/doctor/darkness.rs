@@ -66,7 +66,7 @@ impl Doctor<'_> {
                 let part = percent(f64::from(tally.averted) / asked);
                 (
                     format!(": {part} of what is dark faces away from the lights"),
-                    self.from_the_other_side(),
+                    self.the_other_side(),
                 )
             }
             _ => {
@@ -79,7 +79,7 @@ impl Doctor<'_> {
         }
     }
 
-    fn from_the_other_side(&self) -> String {
+    fn the_other_side(&self) -> String {
         let parallel = self
             .description
             .cameras

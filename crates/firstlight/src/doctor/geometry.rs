@@ -35,7 +35,7 @@ impl Doctor<'_> {
     pub(super) fn surfaces(&self, care: Care) -> Vec<Diagnostic> {
         let mut found: Vec<_> = duplicates(self.description).into_iter().collect();
         found.extend(self.coincident());
-        found.extend(self.from_behind(care));
+        found.extend(self.seen_from_behind(care));
         found.extend(meshes(self.description, care));
         found.extend(self.glass(care));
         found
@@ -98,7 +98,7 @@ impl Doctor<'_> {
     }
 
     /// One-sided surfaces that the camera sees from behind, with nothing beyond, or that are inside out.
-    fn from_behind(&self, care: Care) -> Option<Diagnostic> {
+    fn seen_from_behind(&self, care: Care) -> Option<Diagnostic> {
         let mut counts = BTreeMap::<u32, [u32; 2]>::new();
         let there = self.probes.rays.iter().filter(|probe| probe.first.is_some());
         let mut all = 0;

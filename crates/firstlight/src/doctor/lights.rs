@@ -58,7 +58,8 @@ impl Doctor<'_> {
             found.extend(lights.iter().filter(|light| is_off(light)).map(off));
             found.extend(factor(lights));
         }
-        if matches!(self.description.integrator, Integrator::AmbientOcclusion { .. }) {
+        if !matches!(self.description.integrator, Integrator::Direct | Integrator::Path { .. }) {
+            // The others have no shadows of lights.
             return found;
         }
         let unreached: Vec<_> = shining().filter_map(|light| self.unreached(light)).collect();

@@ -452,7 +452,7 @@ fn pictures_on_surfaces() {
     told_apart("texture-uvs", &["surface \"ball\"", "it.png"], &lost, &whole);
     let flat = with_picture(16, |_| [10, 20, 30, 255], colored);
     told_apart("texture-flat", &["it.png"], &flat, &whole);
-    let bumps = |i: u32| [if i % 2 == 0 { 108 } else { 148 }, 128, 252, 255];
+    let bumps = |i: u32| [if i.is_multiple_of(2) { 108 } else { 148 }, 128, 252, 255];
     let words = ["looks like a map of normals"];
     told_apart("texture-curve", &words, &with_picture(16, bumps, colored), &whole);
     let decoded = with_picture(16, |i| [50 + (i % 9) as u8, 55, 250, 255], bent);

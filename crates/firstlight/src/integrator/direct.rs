@@ -2,16 +2,18 @@
 //!
 //! Batches of rays go through the stages in the lecture's order; each stage takes slices and fills vectors.
 
-use super::panes;
+use super::record::{Asked, Followed, Gain, Recorder, add};
+use super::shadows::ShadowRays;
+use super::source::Source;
 use crate::color::Rgb;
 use crate::film::Sample;
 use crate::geometry::{Hit, Ray};
 use crate::scene::Scene;
+use crate::scene::SeenByCamera;
 use crate::scene::description::Shadows;
-use crate::scene::{SeenByCamera, StopsLight};
 use crate::shading::bsdf::{Bsdf, Frame, Lobe};
 use crate::shading::interaction::{SurfaceInteraction, clearance};
-use crate::shading::light::Light;
+use crate::shading::light::{Light, LightSample};
 use glam::{DVec3, Vec3, Vec4Swizzles};
 use std::f32::consts::{FRAC_1_PI, PI};
 use std::ops::{AddAssign, Range};
@@ -58,9 +60,7 @@ pub(crate) struct Scratch {
     /// What the points on surfaces that are more than matte do with light, and their lobes.
     glossy: Vec<Glossy>,
     lobes: Vec<Lobe>,
-    shadow_rays: Vec<Ray>,
-    awaited: Vec<Awaited>,
-    occluded: Vec<bool>,
+    shadows: ShadowRays,
     /// One answer per camera ray.
     pub samples: Vec<Sample>,
     /// What was traced so far.
@@ -94,12 +94,6 @@ struct Glossy {
     behind: Vec3,
 }
 
-/// Light that reaches the eye if nothing is in the way.
-struct Awaited {
-    ray: usize,
-    radiance: Rgb,
-}
-
 impl Scratch {
     /// Of the last batch: how many rays met a surface, and the largest radiance of any channel that one sent back.
     pub(crate) fn seen(&self) -> (u64, f32) {
@@ -121,10 +115,10 @@ impl<'a> Direct<'a> {
 
     /// Radiance along each of `rays`, into `scratch.samples`.
     #[inline(always)]
-    pub(crate) fn gather(&self, rays: &[Ray], scratch: &mut Scratch) {
+    pub(crate) fn gather(&self, rays: &[Ray], scratch: &mut Scratch, recorder: &mut impl Recorder) {
         self.closest_hits(rays, scratch);
-        self.surface_points(rays, scratch);
-        self.add_lights(scratch);
+        self.surface_points(rays, scratch, recorder);
+        self.add_lights(scratch, recorder);
     }
 
     /// Irradiance at `position` on a surface that faces the unit vector `normal`, W·m⁻²: what a surface that reflects
@@ -145,17 +139,17 @@ impl<'a> Direct<'a> {
         });
         scratch.samples.clear();
         scratch.samples.push(Sample { radiance: PI * self.scene.ambient, alpha: 1.0 });
-        self.add_lights(scratch);
+        self.add_lights(scratch, &mut ());
         scratch.samples[0].radiance
     }
 
     /// The lecture's loop over lights, for all points.
     #[inline(always)]
-    fn add_lights(&self, scratch: &mut Scratch) {
-        for light in &self.scene.lights {
-            self.sample_light(light, scratch);
-            self.trace_shadows(scratch);
-            self.sum(scratch);
+    fn add_lights(&self, scratch: &mut Scratch, recorder: &mut impl Recorder) {
+        for (light, &number) in self.scene.lights.iter().zip(&self.scene.light_numbers) {
+            self.sample_light(light, Source::Light(number), scratch, recorder);
+            let Scratch { shadows, samples, counts, .. } = scratch;
+            shadows.settle(self.scene, self.repetition, samples, counts, recorder);
         }
     }
 
@@ -171,17 +165,36 @@ impl<'a> Direct<'a> {
 
     /// Starts each ray's sum: the background, or what the surface emits and reflects of the ambient light.
     #[inline(always)]
-    fn surface_points(&self, rays: &[Ray], scratch: &mut Scratch) {
+    fn surface_points(&self, rays: &[Ray], scratch: &mut Scratch, recorder: &mut impl Recorder) {
         let Scratch { hits, points, glossy, lobes, samples, .. } = scratch;
         points.clear();
         glossy.clear();
         lobes.clear();
         samples.clear();
         for (ray, hit) in hits.iter().enumerate() {
+            let sample = ray as u32;
+            let gain = |source, radiance, reflections| Gain {
+                sample,
+                source,
+                bounce: 0,
+                reflections,
+                asked: false,
+                radiance,
+            };
+            recorder.follow(&Followed {
+                sample,
+                bounce: 0,
+                ray: rays[ray],
+                hit: *hit,
+                throughput: Rgb::ONE,
+            });
+            samples.push(Sample { radiance: Rgb::ZERO, alpha: 1.0 });
             if !hit.is_some() {
-                let alpha = if self.transparent { 0.0 } else { 1.0 };
-                let radiance = if self.transparent { Rgb::ZERO } else { self.scene.background };
-                samples.push(Sample { radiance, alpha });
+                if self.transparent {
+                    samples[ray].alpha = 0.0;
+                } else {
+                    add(samples, recorder, gain(Source::Background, self.scene.background, 0));
+                }
                 continue;
             }
             let surface = self.scene.interaction(&rays[ray], hit);
@@ -201,7 +214,8 @@ impl<'a> Direct<'a> {
             };
             let ambient = self.scene.ambient_reflectance(material, &surface).unwrap_or(scattered);
             let emitted = self.scene.emitted(material, &surface);
-            samples.push(Sample { radiance: emitted + ambient * self.scene.ambient, alpha: 1.0 });
+            add(samples, recorder, gain(Source::Surface(hit.surface), emitted, 0));
+            add(samples, recorder, gain(Source::Ambient, ambient * self.scene.ambient, 1));
             points.push(Point {
                 ray,
                 position: surface.position.as_dvec3(),
@@ -215,12 +229,17 @@ impl<'a> Direct<'a> {
 
     /// What `light` would add to each point, with the shadow rays that decide whether it does.
     #[inline(always)]
-    fn sample_light(&self, light: &Light, scratch: &mut Scratch) {
-        let Scratch { points, glossy, lobes, shadow_rays, awaited, samples, .. } = scratch;
+    fn sample_light(
+        &self,
+        light: &Light,
+        source: Source,
+        scratch: &mut Scratch,
+        recorder: &mut impl Recorder,
+    ) {
+        let Scratch { points, glossy, lobes, shadows: shadow_rays, samples, .. } = scratch;
         let t_min = self.scene.shadow_t_min();
         let shadows = light.shadows && self.scene.shadows != Shadows::Off;
         shadow_rays.clear();
-        awaited.clear();
         for point in points.iter() {
             let Some(sample) = light.sample(point.position) else { continue };
             let cos = point.shading_normal.dot(sample.incoming);
@@ -230,34 +249,23 @@ impl<'a> Direct<'a> {
                 Some(glossy) if cos > 0.0 => (glossy.eval(lobes, sample.incoming), point.start),
                 Some(glossy) => (glossy.eval(lobes, sample.incoming), glossy.behind),
             };
-            let radiance = scattered * sample.irradiance;
+            let LightSample { incoming, irradiance, .. } = sample;
+            let radiance = scattered * irradiance;
             if radiance == Rgb::ZERO {
                 continue;
             }
-            if shadows {
-                shadow_rays.push(sample.ray_from(point.position.as_vec3(), start, t_min));
-                awaited.push(Awaited { ray: point.ray, radiance });
-            } else {
-                samples[point.ray].radiance += radiance;
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn trace_shadows(&self, scratch: &mut Scratch) {
-        let Scratch { shadow_rays, occluded, counts, .. } = scratch;
-        counts.shadow += shadow_rays.len() as u64;
-        self.scene.world.occluded(shadow_rays, &StopsLight(self.scene, self.repetition), occluded);
-    }
-
-    #[inline(always)]
-    fn sum(&self, scratch: &mut Scratch) {
-        let Scratch { shadow_rays, awaited, occluded, samples, .. } = scratch;
-        for ((awaited, ray), &occluded) in awaited.iter().zip(&*shadow_rays).zip(&*occluded) {
-            if !occluded {
-                let tint = panes::tint(self.scene, ray, self.repetition);
-                samples[awaited.ray].radiance += awaited.radiance * tint;
-            }
+            let gain = Gain {
+                sample: point.ray as u32,
+                source,
+                bounce: 0,
+                reflections: 1,
+                asked: true,
+                radiance,
+            };
+            let ray = shadows.then(|| sample.ray_from(point.position.as_vec3(), start, t_min));
+            let passed = Rgb::ONE;
+            let asked = Asked { gain, ray, incoming, scattered, irradiance, passed };
+            shadow_rays.ask(&asked, samples, recorder);
         }
     }
 }

@@ -2,12 +2,15 @@
 
 use super::RayCounts;
 use super::direct::{self, Direct};
-use super::path::{self, Occlusion, Path};
+use super::path::{self, Clarity, Occlusion, Path};
+use super::record::Recorder;
+use crate::color::Rgb;
 use crate::film::Sample;
 use crate::geometry::Ray;
 use crate::sampler::PathPoints;
 use crate::scene::Scene;
 use crate::scene::description::Integrator;
+use glam::{DVec3, Vec3};
 
 /// How light is gathered in a scene.
 pub(crate) enum Way<'a> {
@@ -17,6 +20,8 @@ pub(crate) enum Way<'a> {
     Paths(Path<'a>),
     /// What the sky would give.
     Occlusion(Occlusion<'a>),
+    /// What shows shapes best.
+    Clarity(Clarity<'a>),
 }
 
 impl<'a> Way<'a> {
@@ -29,7 +34,47 @@ impl<'a> Way<'a> {
             Integrator::AmbientOcclusion { distance } => {
                 Self::Occlusion(Occlusion::new(scene, transparent, distance))
             }
+            Integrator::Clarity { distance, lines, section } => {
+                Self::Clarity(Clarity::new(scene, transparent, distance, lines, section))
+            }
         }
+    }
+}
+
+impl Way<'_> {
+    /// Whether every light is asked at a path's point with this number, or one for all.
+    pub(crate) fn asks_all(&self, bounce: u32) -> bool {
+        match self {
+            Self::Paths(path) => path.asks_all(bounce),
+            Self::Sum(_) | Self::Occlusion(_) | Self::Clarity(_) => true,
+        }
+    }
+}
+
+impl Way<'_> {
+    /// Irradiance at `position` on a surface that faces the unit vector `normal`, W·m⁻²: the mean of one sample for each
+    /// of `points`.
+    pub(crate) fn irradiance(
+        &self,
+        position: DVec3,
+        normal: Vec3,
+        points: &[PathPoints],
+        gatherer: &mut Gatherer,
+    ) -> Rgb {
+        let Gatherer { direct: sums, path: paths } = gatherer;
+        match self {
+            Self::Sum(direct) => return direct.irradiance(position, normal, sums),
+            Self::Paths(path) => path.irradiance(position, normal, points, paths),
+            Self::Occlusion(occlusion) => occlusion.irradiance(position, normal, points, paths),
+            Self::Clarity(clarity) => clarity.irradiance(position, normal, points, paths),
+        }
+        let sum: DVec3 = paths.samples.iter().map(|sample| sample.radiance.as_dvec3()).sum();
+        (sum / points.len() as f64).as_vec3()
+    }
+
+    /// π times the fraction of the sky that is not hidden by surfaces nearer than `distance`, m.
+    pub(crate) fn to_sky(scene: &Scene, distance: f64) -> Way<'_> {
+        Way::Occlusion(Occlusion::new(scene, false, distance))
     }
 }
 
@@ -42,7 +87,7 @@ pub(crate) struct Gatherer {
 
 impl Gatherer {
     /// Radiance along each of `rays`, one sample each by its `points`. With `transparent`, what lies behind all surfaces
-    /// counts as nothing.
+    /// counts as nothing. `recorder` is told what happens.
     #[inline(always)]
     pub(crate) fn gather(
         &mut self,
@@ -50,16 +95,26 @@ impl Gatherer {
         transparent: bool,
         rays: &[Ray],
         points: &[PathPoints],
+        recorder: &mut impl Recorder,
     ) -> &[Sample] {
         match Way::of(scene, transparent) {
-            Way::Sum(direct) => {
-                direct.gather(rays, &mut self.direct);
-                return &self.direct.samples;
+            Way::Sum(direct) => direct.gather(rays, &mut self.direct, recorder),
+            Way::Paths(path) => path.gather(rays, points, &mut self.path, recorder),
+            Way::Clarity(clarity) => clarity.gather(rays, points, &mut self.path, recorder),
+            Way::Occlusion(occlusion) => {
+                occlusion.gather(rays, points, &mut self.path, recorder);
             }
-            Way::Paths(path) => path.gather(rays, points, &mut self.path),
-            Way::Occlusion(occlusion) => occlusion.gather(rays, points, &mut self.path),
         }
-        &self.path.samples
+        self.samples(scene)
+    }
+
+    /// The samples of the last batch in `scene`.
+    #[inline(always)]
+    pub(crate) fn samples(&self, scene: &Scene) -> &[Sample] {
+        match Way::of(scene, false) {
+            Way::Sum(_) => &self.direct.samples,
+            _ => &self.path.samples,
+        }
     }
 
     /// Rays traced since this was last asked.
@@ -74,7 +129,7 @@ impl Gatherer {
     pub(crate) fn seen(&self, scene: &Scene) -> (u64, f32) {
         match Way::of(scene, false) {
             Way::Sum(_) => self.direct.seen(),
-            Way::Paths(_) | Way::Occlusion(_) => self.path.seen(),
+            _ => self.path.seen(),
         }
     }
 }

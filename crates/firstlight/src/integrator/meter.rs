@@ -79,6 +79,9 @@ impl<'a> Meter<'a> {
             Way::Occlusion(occlusion) => {
                 self.follow(|points, scratch| occlusion.irradiance(point, normal, points, scratch))
             }
+            Way::Clarity(clarity) => {
+                self.follow(|points, scratch| clarity.irradiance(point, normal, points, scratch))
+            }
         }
     }
 
@@ -89,16 +92,18 @@ impl<'a> Meter<'a> {
             Way::Sum(_) => {
                 let mut scratch = direct::Scratch::default();
                 self.repeat(|repetition| {
-                    self.sum(repetition).gather(&[*ray], &mut scratch);
+                    self.sum(repetition).gather(&[*ray], &mut scratch, &mut ());
                     scratch.samples[0].radiance
                 })
             }
             Way::Paths(path) => {
-                self.follow(|points, scratch| path.gather(&rays(points), points, scratch))
+                self.follow(|points, scratch| path.gather(&rays(points), points, scratch, &mut ()))
             }
-            Way::Occlusion(occlusion) => {
-                self.follow(|points, scratch| occlusion.gather(&rays(points), points, scratch))
-            }
+            Way::Occlusion(occlusion) => self.follow(|points, scratch| {
+                occlusion.gather(&rays(points), points, scratch, &mut ())
+            }),
+            Way::Clarity(clarity) => self
+                .follow(|points, scratch| clarity.gather(&rays(points), points, scratch, &mut ())),
         }
     }
 

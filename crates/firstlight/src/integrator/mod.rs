@@ -7,9 +7,14 @@ mod media;
 mod meter;
 mod panes;
 mod path;
+mod record;
+mod shadows;
+mod source;
 mod trace;
 
 pub(crate) use dimensions::{FILM, LENS};
 pub use direct::RayCounts;
-pub(crate) use gatherer::Gatherer;
+pub(crate) use gatherer::{Gatherer, Way};
 pub use meter::{Measurement, Meter};
+pub(crate) use record::{Asked, Followed, Gain, Record, Recorder};
+pub(crate) use source::Source;

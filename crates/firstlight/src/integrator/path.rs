@@ -5,18 +5,23 @@
 //! balance heuristic; Veach 1997 §9.2), so that nothing is counted twice. Batches of paths go through the stages
 //! together, bounce by bounce; what one path gathers depends on no other.
 
+mod clarity;
 mod occlusion;
 
+pub(crate) use clarity::Clarity;
 pub(crate) use occlusion::Occlusion;
 
+use super::RayCounts;
 use super::dimensions::Bounce;
 use super::media::Media;
-use super::{RayCounts, panes};
+use super::record::{Asked, Followed, Gain, Recorder, add};
+use super::shadows::ShadowRays;
+use super::source::Source;
 use crate::color::Rgb;
 use crate::film::Sample;
 use crate::geometry::{Hit, Ray};
 use crate::sampler::PathPoints;
-use crate::scene::{LocalLight, LocalLights, Meets, Scene, SeenByCamera, StopsLight};
+use crate::scene::{LocalLight, LocalLights, Meets, Scene, SeenByCamera};
 use crate::shading::bsdf::{Bsdf, Frame, Kind, Lobe};
 use crate::shading::interaction::{SurfaceInteraction, clearance};
 use crate::shading::light::LightSample;
@@ -54,9 +59,7 @@ pub(crate) struct Scratch {
     vertices: Vec<Vertex>,
     /// What the vertices' surfaces do with light.
     lobes: Vec<Lobe>,
-    shadow_rays: Vec<Ray>,
-    awaited: Vec<Awaited>,
-    occluded: Vec<bool>,
+    shadows: ShadowRays,
     /// One answer per camera ray.
     pub samples: Vec<Sample>,
     /// What was traced so far.
@@ -76,6 +79,8 @@ struct Walk {
     pdf: f32,
     /// The reflection at which it was picked.
     bounce: u32,
+    /// How often it was scattered, straight on not counted.
+    reflections: u32,
     /// Where it was picked, m, and the shading normal there: panes that were passed since do not count.
     from: Vec3,
     normal: Vec3,
@@ -102,17 +107,17 @@ struct Vertex {
     beyond: Media,
 }
 
-/// What a light gives to a vertex, reflected towards the eye.
+/// What a light gives to a vertex: the lecture's f · cos θ · E.
 struct Answer {
+    source: Source,
     /// The ray that anything in the way would stop; `None` if nothing can.
     ray: Option<Ray>,
-    radiance: Rgb,
-}
-
-/// Light that reaches the eye if nothing is in the way.
-struct Awaited {
-    sample: u32,
-    radiance: Rgb,
+    /// Unit vector to the light.
+    incoming: Vec3,
+    /// BSDF × |cosine|, sr⁻¹.
+    scattered: Rgb,
+    /// Irradiance of a surface that faces the light, W·m⁻², or what one sample stands for.
+    irradiance: Rgb,
 }
 
 impl<'a> Path<'a> {
@@ -123,10 +128,16 @@ impl<'a> Path<'a> {
 
     /// Radiance along each of `rays`, one sample each by its `points`, into `scratch.samples`.
     #[inline(always)]
-    pub(crate) fn gather(&self, rays: &[Ray], points: &[PathPoints], scratch: &mut Scratch) {
+    pub(crate) fn gather(
+        &self,
+        rays: &[Ray],
+        points: &[PathPoints],
+        scratch: &mut Scratch,
+        recorder: &mut impl Recorder,
+    ) {
         self.look(rays, scratch);
-        self.arrive(0, points, scratch);
-        self.follow(points, scratch);
+        self.arrive(0, points, scratch, recorder);
+        self.follow(points, scratch, recorder);
     }
 
     /// Traces the camera rays.
@@ -151,7 +162,7 @@ impl<'a> Path<'a> {
     ) {
         self.stand(position, normal, points.len(), scratch);
         scratch.samples.iter_mut().for_each(|sample| sample.radiance = PI * self.scene.ambient);
-        self.follow(points, scratch);
+        self.follow(points, scratch, &mut ());
     }
 
     /// Begins `count` paths at `position` on a surface that faces `normal` and reflects π times the light.
@@ -173,33 +184,41 @@ impl<'a> Path<'a> {
 
     /// Goes on from the vertices of the first bounce until all paths have ended.
     #[inline(always)]
-    fn follow(&self, points: &[PathPoints], scratch: &mut Scratch) {
+    fn follow(&self, points: &[PathPoints], scratch: &mut Scratch, recorder: &mut impl Recorder) {
         for bounce in 0..self.bounces {
             if scratch.vertices.is_empty() {
                 break;
             }
-            self.add_lights(bounce, points, scratch);
+            self.add_lights(bounce, points, scratch, recorder);
             scatter(self.scene, bounce, points, scratch);
             scratch.counts.bounce += scratch.rays.len() as u64;
             let filter = Meets(self.scene, 0);
             self.scene.world.closest_hits(&scratch.rays, &filter, &mut scratch.hits);
-            self.arrive(bounce + 1, points, scratch);
+            self.arrive(bounce + 1, points, scratch, recorder);
         }
     }
 
     /// Adds what comes along each ray, and makes vertices of the surfaces that were met.
     #[inline(always)]
-    fn arrive(&self, bounce: u32, points: &[PathPoints], scratch: &mut Scratch) {
+    fn arrive(
+        &self,
+        bounce: u32,
+        points: &[PathPoints],
+        scratch: &mut Scratch,
+        recorder: &mut impl Recorder,
+    ) {
         let Scratch { rays, walks, hits, vertices, lobes, samples, on_surface, .. } = scratch;
         vertices.clear();
         lobes.clear();
         for ((ray, walk), hit) in rays.iter().zip(&*walks).zip(&*hits) {
-            let sample = &mut samples[walk.sample as usize];
+            recorder.follow(&walk.along(bounce, ray, hit));
             if !hit.is_some() {
                 if bounce == 0 && self.transparent {
-                    sample.alpha = 0.0;
+                    samples[walk.sample as usize].alpha = 0.0;
                 } else {
-                    sample.radiance += walk.throughput * self.behind_all(bounce, walk, ray);
+                    for (source, radiance) in self.behind_all(bounce, walk, ray) {
+                        add(samples, recorder, walk.gain(bounce, source, radiance));
+                    }
                 }
                 continue;
             }
@@ -230,7 +249,8 @@ impl<'a> Path<'a> {
                 let emitted = self.scene.emitted(material, &surface);
                 if emitted != Rgb::ZERO {
                     let weight = self.weight_of_emission(&walk, &surface);
-                    sample.radiance += walk.throughput * emitted * weight;
+                    let source = Source::Surface(hit.surface);
+                    add(samples, recorder, walk.gain(bounce, source, emitted * weight));
                 }
                 if bounce == self.bounces {
                     continue;
@@ -241,7 +261,9 @@ impl<'a> Path<'a> {
                 if self.scene.ambient != Rgb::ZERO {
                     let reflected = self.scene.ambient_reflectance(material, &surface);
                     let reflected = reflected.unwrap_or(scattered);
-                    sample.radiance += walk.throughput * reflected * self.scene.ambient;
+                    let gain =
+                        walk.reflected(bounce, Source::Ambient, reflected * self.scene.ambient);
+                    add(samples, recorder, gain);
                 }
             }
             vertex.lobes.end = lobes.len() as u32;
@@ -253,21 +275,26 @@ impl<'a> Path<'a> {
 
     /// Radiance along a ray that meets nothing, W·sr⁻¹·m⁻², as far as lights were not asked for it.
     #[inline(always)]
-    fn behind_all(&self, bounce: u32, walk: &Walk, ray: &Ray) -> Rgb {
-        let suns = self
-            .scene
-            .suns
-            .iter()
-            .map(|sun| sun.radiance(ray.direction) * balance(walk.pdf, sun.pdf(ray.direction)));
-        let sky = match &self.scene.environment {
+    fn behind_all(
+        &self,
+        bounce: u32,
+        walk: &Walk,
+        ray: &Ray,
+    ) -> impl Iterator<Item = (Source, Rgb)> {
+        let Scene { suns, sun_numbers, environment, background, .. } = self.scene;
+        let (pdf, direction) = (walk.pdf, ray.direction);
+        let sky = match environment {
             Some((environment, visible)) if *visible || bounce > 0 => {
-                let weight = balance(walk.pdf, environment.pdf(ray.direction));
-                environment.radiance(ray.direction) * weight
+                let weight = balance(pdf, environment.pdf(direction));
+                Some((Source::Environment, environment.radiance(direction) * weight))
             }
-            _ if walk.sharp_only => self.scene.background,
-            _ => Rgb::ZERO,
+            _ => walk.sharp_only.then_some((Source::Background, *background)),
         };
-        sky + suns.sum::<Rgb>()
+        let suns = suns.iter().zip(sun_numbers).map(move |(sun, number)| {
+            let weight = balance(pdf, sun.pdf(direction));
+            (Source::Light(*number), sun.radiance(direction) * weight)
+        });
+        sky.into_iter().chain(suns)
     }
 
     /// The part of what a surface emits that lights were not asked for.
@@ -286,68 +313,69 @@ impl<'a> Path<'a> {
     }
 
     /// Whether all local lights are asked at this reflection, or one of them.
-    fn asks_all(&self, bounce: u32) -> bool {
+    pub(crate) fn asks_all(&self, bounce: u32) -> bool {
         self.scene.local_lights.len() <= ASKED[usize::from(bounce > 0)]
     }
 
     /// The lecture's loop over lights, for all vertices.
     #[inline(always)]
-    fn add_lights(&self, bounce: u32, points: &[PathPoints], scratch: &mut Scratch) {
+    fn add_lights(
+        &self,
+        bounce: u32,
+        points: &[PathPoints],
+        scratch: &mut Scratch,
+        recorder: &mut impl Recorder,
+    ) {
         let pairs = Bounce::new(bounce);
         let pair = |vertex: &Vertex, pair: u32| points[vertex.walk.sample as usize].pair(pair);
         let asks_all = self.asks_all(bounce);
         let LocalLights { points: near, elsewhere, .. } = &self.scene.local_lights;
         let near = if asks_all { near.as_slice() } else { &[] };
         for &place in elsewhere.iter().chain(near) {
-            let light = &self.scene.lights[place as usize];
-            self.ask(scratch, |vertex, lobes| {
-                vertex.light_from(
-                    lobes,
-                    light.sample(vertex.position.as_dvec3())?,
-                    light.shadows,
-                    1.0,
-                )
+            self.ask(bounce, scratch, recorder, |vertex, lobes| {
+                self.light_from_point(vertex, lobes, place, 1.0)
             });
         }
         if asks_all {
-            for (number, light) in (0..).zip(&self.scene.round_lights) {
+            for number in 0..self.scene.round_lights.len() as u32 {
                 let place = pairs.light(number);
-                self.ask(scratch, |vertex, lobes| {
-                    let u = pair(vertex, place).as_dvec2();
-                    vertex.light_from(
-                        lobes,
-                        light.sample(vertex.position.as_dvec3(), u)?,
-                        true,
-                        1.0,
-                    )
+                self.ask(bounce, scratch, recorder, |vertex, lobes| {
+                    self.light_from_round(vertex, lobes, number, 1.0, pair(vertex, place))
                 });
             }
             for (number, light) in (0..).zip(self.scene.area_lights.iter()) {
                 let place = pairs.light(self.scene.round_lights.len() as u32 + number);
-                self.ask(scratch, |vertex, lobes| {
+                self.ask(bounce, scratch, recorder, |vertex, lobes| {
                     vertex.light_from_area(lobes, self.scene, light, 1.0, pair(vertex, place))
                 });
             }
         } else {
-            self.ask(scratch, |vertex, lobes| {
+            self.ask(bounce, scratch, recorder, |vertex, lobes| {
                 let u = pair(vertex, pairs.pick()).as_dvec2();
-                self.light_from_any(
-                    vertex,
-                    lobes,
-                    u.x + u.y * PAIR_STEP,
-                    pair(vertex, pairs.light(0)),
-                )
+                let place = pair(vertex, pairs.light(0));
+                self.light_from_any(vertex, lobes, u.x + u.y * PAIR_STEP, place)
             });
         }
-        for (number, sun) in (0..).zip(&self.scene.suns) {
-            self.ask(scratch, |vertex, lobes| {
-                vertex.light_from_afar(lobes, sun.sample(pair(vertex, pairs.sun(number))))
+        for (place, (sun, number)) in (0..).zip(self.scene.suns.iter().zip(&self.scene.sun_numbers))
+        {
+            self.ask(bounce, scratch, recorder, |vertex, lobes| {
+                let sample = sun.sample(pair(vertex, pairs.sun(place)));
+                vertex.light_from_afar(lobes, Source::Light(*number), sample)
+            });
+        }
+        for ambient in &self.scene.near_ambient {
+            self.ask(bounce, scratch, recorder, |vertex, lobes| {
+                let [direction, choice] = pairs.ambient().map(|place| pair(vertex, place));
+                let source = Source::Light(ambient.number);
+                let answer =
+                    vertex.light_from_sky(lobes, source, ambient.reach, choice.x, direction)?;
+                Some(Answer { irradiance: ambient.radiance, ..answer })
             });
         }
         if let Some((environment, _)) = &self.scene.environment {
-            self.ask(scratch, |vertex, lobes| {
-                vertex
-                    .light_from_afar(lobes, environment.sample(pair(vertex, pairs.environment()))?)
+            self.ask(bounce, scratch, recorder, |vertex, lobes| {
+                let sample = environment.sample(pair(vertex, pairs.environment()))?;
+                vertex.light_from_afar(lobes, Source::Environment, sample)
             });
         }
     }
@@ -364,14 +392,10 @@ impl<'a> Path<'a> {
         let Self { scene, .. } = self;
         match scene.local_lights.pick(vertex.starts[0], vertex.frame.normal(), pick)? {
             (LocalLight::Point(place), chance) => {
-                let light = &scene.lights[place as usize];
-                let sample = light.sample(vertex.position.as_dvec3())?;
-                vertex.light_from(lobes, sample, light.shadows, chance)
+                self.light_from_point(vertex, lobes, place, chance)
             }
             (LocalLight::Round(place), chance) => {
-                let light = &scene.round_lights[place as usize];
-                let sample = light.sample(vertex.position.as_dvec3(), u.as_dvec2())?;
-                vertex.light_from(lobes, sample, true, chance)
+                self.light_from_round(vertex, lobes, place, chance, u)
             }
             (LocalLight::Area(number), chance) => {
                 vertex.light_from_area(lobes, scene, scene.area_lights.get(number), chance, u)
@@ -379,33 +403,54 @@ impl<'a> Path<'a> {
         }
     }
 
+    /// From the light without extent with this place, which had this chance of being asked.
+    #[inline(always)]
+    fn light_from_point(
+        &self,
+        vertex: &Vertex,
+        lobes: &[Lobe],
+        place: u32,
+        chance: f32,
+    ) -> Option<Answer> {
+        let light = &self.scene.lights[place as usize];
+        let source = Source::Light(self.scene.light_numbers[place as usize]);
+        let sample = light.sample(vertex.position.as_dvec3())?;
+        vertex.light_from(lobes, source, sample, light.shadows, chance)
+    }
+
+    /// From the round light with this place, which had this chance of being asked.
+    #[inline(always)]
+    fn light_from_round(
+        &self,
+        vertex: &Vertex,
+        lobes: &[Lobe],
+        place: u32,
+        chance: f32,
+        u: Vec2,
+    ) -> Option<Answer> {
+        let light = &self.scene.round_lights[place as usize];
+        let source = Source::Light(self.scene.round_numbers[place as usize]);
+        let sample = light.sample(vertex.position.as_dvec3(), u.as_dvec2())?;
+        vertex.light_from(lobes, source, sample, true, chance)
+    }
+
     /// Asks a light at every vertex, and adds what it gives where nothing is in the way.
     #[inline(always)]
-    fn ask(&self, scratch: &mut Scratch, light: impl Fn(&Vertex, &[Lobe]) -> Option<Answer>) {
-        let Scratch { vertices, lobes, shadow_rays, awaited, occluded, samples, counts, .. } =
-            scratch;
-        shadow_rays.clear();
-        awaited.clear();
+    fn ask(
+        &self,
+        bounce: u32,
+        scratch: &mut Scratch,
+        recorder: &mut impl Recorder,
+        light: impl Fn(&Vertex, &[Lobe]) -> Option<Answer>,
+    ) {
+        let Scratch { vertices, lobes, shadows, samples, counts, .. } = scratch;
+        shadows.clear();
         for vertex in vertices.iter() {
-            let Some(Answer { ray, radiance }) = light(vertex, lobes) else { continue };
-            let sample = vertex.walk.sample;
-            let radiance = vertex.walk.throughput * radiance;
-            match ray {
-                Some(ray) => {
-                    shadow_rays.push(ray);
-                    awaited.push(Awaited { sample, radiance });
-                }
-                None => samples[sample as usize].radiance += radiance,
+            if let Some(answer) = light(vertex, lobes) {
+                shadows.ask(&answer.at(vertex, bounce), samples, recorder);
             }
         }
-        counts.shadow += shadow_rays.len() as u64;
-        self.scene.world.occluded(shadow_rays, &StopsLight(self.scene, 0), occluded);
-        for ((awaited, ray), _) in
-            awaited.iter().zip(&*shadow_rays).zip(&*occluded).filter(|(_, occluded)| !**occluded)
-        {
-            let tint = panes::tint(self.scene, ray, 0);
-            samples[awaited.sample as usize].radiance += awaited.radiance * tint;
-        }
+        shadows.settle(self.scene, 0, samples, counts, recorder);
     }
 }
 
@@ -436,6 +481,7 @@ fn scatter(scene: &Scene, bounce: u32, points: &[PathPoints], scratch: &mut Scra
         walks.push(Walk { throughput, sharp_only, media, ..*walk });
         if let Some(walk) = walks.last_mut().filter(|_| !sample.straight) {
             (walk.pdf, walk.bounce) = (sample.pdf, bounce);
+            walk.reflections += 1;
             (walk.from, walk.normal) = (start, vertex.frame.normal());
         }
     }
@@ -487,12 +533,34 @@ impl Walk {
             throughput: Rgb::ONE,
             pdf: f32::INFINITY,
             bounce: 0,
+            reflections: 0,
             from: Vec3::ZERO,
             normal: Vec3::ZERO,
             sharp_only: true,
             media: Media::default(),
             channel: None,
         }
+    }
+
+    /// Light of `radiance` that comes along the last ray from what it met.
+    #[inline(always)]
+    fn gain(&self, bounce: u32, source: Source, radiance: Rgb) -> Gain {
+        let Self { sample, reflections, throughput, .. } = *self;
+        let radiance = throughput * radiance;
+        Gain { sample, source, bounce, reflections, asked: false, radiance }
+    }
+
+    /// The same for light that what it met reflects.
+    #[inline(always)]
+    fn reflected(&self, bounce: u32, source: Source, radiance: Rgb) -> Gain {
+        Gain { reflections: self.reflections + 1, ..self.gain(bounce, source, radiance) }
+    }
+
+    /// The last ray, and what it met.
+    #[inline(always)]
+    fn along(&self, bounce: u32, ray: &Ray, hit: &Hit) -> Followed {
+        let Self { sample, throughput, .. } = *self;
+        Followed { sample, bounce, ray: *ray, hit: *hit, throughput }
     }
 
     /// Goes on for one of the three channels, picked by a number in 0..1.
@@ -538,13 +606,15 @@ impl Vertex {
     fn light_from(
         &self,
         lobes: &[Lobe],
+        source: Source,
         sample: LightSample,
         shadows: bool,
         chance: f32,
     ) -> Option<Answer> {
         let (scattered, _, start) = self.scattered(lobes, sample.incoming)?;
         let ray = shadows.then(|| sample.ray_from(self.position, start, 0.0));
-        Some(Answer { ray, radiance: scattered * sample.irradiance / chance })
+        let (incoming, irradiance) = (sample.incoming, sample.irradiance / chance);
+        Some(Answer { source, ray, incoming, scattered, irradiance })
     }
 
     /// From a surface that emits and had this chance of being asked.
@@ -558,18 +628,59 @@ impl Vertex {
         u: Vec2,
     ) -> Option<Answer> {
         let sample = light.sample(self.starts[0].as_dvec3(), u.as_dvec2())?;
-        let (scattered, pdf, start) = self.scattered(lobes, sample.incoming.as_vec3())?;
-        let radiance = scene.emitted_by(light, &sample) / (chance * sample.pdf as f32 + pdf);
+        let incoming = sample.incoming.as_vec3();
+        let (scattered, pdf, start) = self.scattered(lobes, incoming)?;
+        let irradiance = scene.emitted_by(light, &sample) / (chance * sample.pdf as f32 + pdf);
         let ray = Some(sample.shadow_ray(start, 0.0, light.error));
-        Some(Answer { ray, radiance: scattered * radiance })
+        Some(Answer {
+            source: Source::Surface(light.surface),
+            ray,
+            incoming,
+            scattered,
+            irradiance,
+        })
+    }
+
+    /// From a sky of radiance 1 that surfaces nearer than `reach` hide, in a direction that the BSDF picks.
+    #[inline(always)]
+    fn light_from_sky(
+        &self,
+        lobes: &[Lobe],
+        source: Source,
+        reach: f32,
+        choice: f32,
+        u: Vec2,
+    ) -> Option<Answer> {
+        let sample = self.bsdf(lobes).sample(choice, u)?;
+        let (incoming, scattered) = (sample.incoming, sample.weight);
+        let start = self.starts[usize::from(sample.through)];
+        let ray = Some(Ray { t_max: reach, ..Ray::new(start, incoming) });
+        Some(Answer { source, ray, incoming, scattered, irradiance: Rgb::ONE })
     }
 
     /// From behind everything.
     #[inline(always)]
-    fn light_from_afar(&self, lobes: &[Lobe], sample: EnvironmentSample) -> Option<Answer> {
-        let (scattered, pdf, start) = self.scattered(lobes, sample.incoming)?;
-        let radiance = sample.radiance / (sample.pdf + pdf);
-        let ray = Some(Ray::new(start, sample.incoming));
-        Some(Answer { ray, radiance: scattered * radiance })
+    fn light_from_afar(
+        &self,
+        lobes: &[Lobe],
+        source: Source,
+        sample: EnvironmentSample,
+    ) -> Option<Answer> {
+        let incoming = sample.incoming;
+        let (scattered, pdf, start) = self.scattered(lobes, incoming)?;
+        let irradiance = sample.radiance / (sample.pdf + pdf);
+        let ray = Some(Ray::new(start, incoming));
+        Some(Answer { source, ray, incoming, scattered, irradiance })
+    }
+}
+
+impl Answer {
+    /// What the light would give to the eye by way of `vertex`.
+    #[inline(always)]
+    fn at(&self, vertex: &Vertex, bounce: u32) -> Asked {
+        let Self { source, ray, incoming, scattered, irradiance } = *self;
+        let gain = vertex.walk.reflected(bounce, source, scattered * irradiance);
+        let (gain, passed) = (Gain { asked: true, ..gain }, Rgb::ONE);
+        Asked { gain, ray, incoming, scattered, irradiance, passed }
     }
 }

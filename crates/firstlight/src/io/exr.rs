@@ -163,7 +163,32 @@ pub(super) fn to_file(
     picture.attributes.chromaticities = Some(REC_709);
     let mut file = Cursor::new(Vec::new());
     picture.write().non_parallel().to_buffered(&mut file)?;
-    Ok(file.into_inner())
+    let mut bytes = file.into_inner();
+    sort_attributes(&mut bytes);
+    Ok(bytes)
+}
+
+/// Puts the attributes of a file of one part in the order of their names: they come out of a hash map, and the same
+/// picture is to be the same file.
+fn sort_attributes(file: &mut [u8]) {
+    const START: usize = 8;
+    let (mut attributes, mut at) = (Vec::new(), START);
+    while let Some(length) = attribute_length(&file[at..]) {
+        attributes.push(file[at..at + length].to_vec());
+        at += length;
+    }
+    attributes.sort();
+    let sorted = attributes.concat();
+    file[START..START + sorted.len()].copy_from_slice(&sorted);
+}
+
+/// Bytes of the attribute at the start: name, type, size of the value, value; `None` after the last.
+fn attribute_length(bytes: &[u8]) -> Option<usize> {
+    let text =
+        |from: usize| Some(from + bytes.get(from..)?.iter().position(|byte| *byte == 0)? + 1);
+    let size_at = text(text(0).filter(|end| *end > 1)?)?;
+    let size = bytes.get(size_at..size_at + 4)?.try_into().ok()?;
+    Some(size_at + 4 + u32::from_le_bytes(size) as usize)
 }
 
 pub(super) fn plane(image: &Image, channel: usize, precision: Precision) -> FlatSamples {
@@ -178,8 +203,8 @@ fn half(value: f32) -> f16 {
     f16::from_f32(value.clamp(f16::MIN.to_f32(), f16::MAX.to_f32()))
 }
 
-/// All entries go into the one standard text attribute, since custom ones come out in random order.
-fn attributes(develop: Develop, metadata: &Metadata) -> LayerAttributes {
+/// All entries go into the one standard text attribute, which viewers show.
+pub(super) fn attributes(develop: Develop, metadata: &Metadata) -> LayerAttributes {
     let entries = metadata.entries.iter().map(|(key, text)| format!("{key}: {text}"));
     let comments = entries.collect::<Vec<_>>().join("\n");
     let mut attributes = LayerAttributes {

@@ -8,6 +8,7 @@ mod atomic;
 mod exr;
 pub mod gltf;
 mod hdr;
+mod layers;
 mod load;
 pub mod luminaire;
 pub mod model;
@@ -26,6 +27,7 @@ mod triangles;
 
 pub use access::{FileAccess, Limits};
 pub use atomic::write;
+pub use layers::{LayerFile, load_layers, save_layers};
 pub use load::{is_scene_file, load, model_override};
 pub use part::{Part, PartInfo, load_part, merge_parts, save_part};
 pub use pixels::load_image;

@@ -16,6 +16,9 @@ pub(crate) struct Meets<'a>(pub &'a Scene, pub u32);
 /// Shadow rays: they pass through holes and panes. The number is that of [`SeenByCamera`].
 pub(crate) struct StopsLight<'a>(pub &'a Scene, pub u32);
 
+/// Whatever there is, seen or not.
+pub(crate) struct Everything;
+
 /// The panes that shadow rays pass through.
 pub(crate) struct OnlyPanes<'a>(pub &'a Scene, pub u32);
 
@@ -61,6 +64,16 @@ impl HitFilter for OnlyPanes<'_> {
 
     fn accepts(&self, ray: &Ray, hit: &Hit, _: bool) -> bool {
         self.0.material(hit).is_pane() && self.0.is_there(ray, hit, self.1)
+    }
+}
+
+impl HitFilter for Everything {
+    fn flags(&self) -> u32 {
+        0
+    }
+
+    fn accepts(&self, _: &Ray, _: &Hit, _: bool) -> bool {
+        true
     }
 }
 

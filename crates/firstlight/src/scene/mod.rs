@@ -10,9 +10,10 @@ mod interaction;
 mod lights;
 mod material;
 mod studio;
+mod values;
 
 pub(crate) use build::light_middle;
-pub(crate) use filter::{Meets, OnlyPanes, SeenByCamera, StopsLight};
+pub(crate) use filter::{Everything, Meets, OnlyPanes, SeenByCamera, StopsLight};
 pub use framing::{bounds, frame};
 pub(crate) use lights::{LocalLight, LocalLights};
 pub(crate) use material::Boundary;
@@ -48,18 +49,35 @@ pub struct Scene {
     pub(crate) local_lights: LocalLights,
     /// Round lights infinitely far away.
     pub(crate) suns: Vec<Sun>,
+    /// Of the lights, round lights and suns, their places in the description.
+    pub(crate) light_numbers: Vec<u32>,
+    pub(crate) round_numbers: Vec<u32>,
+    pub(crate) sun_numbers: Vec<u32>,
     /// Light from directions that hit nothing, and whether the camera sees it.
     pub(crate) environment: Option<(Environment, bool)>,
     /// Whether nothing shines but points and what is as good as a point, and nothing mirrors: what the lecture has.
     pub(crate) is_lecture: bool,
     /// Sum of the ambient lights' radiance, W·sr⁻¹·m⁻².
     pub(crate) ambient: Rgb,
+    /// Ambient lights that near surfaces keep out.
+    pub(crate) near_ambient: Vec<NearAmbient>,
     pub(crate) background: Rgb,
     pub(crate) shadows: Shadows,
     pub(crate) integrator: Integrator,
     camera: Camera,
     film: FilmDescription,
     luminous_efficacy: LuminousEfficacy,
+}
+
+/// Ambient light that surfaces nearer than its reach keep out.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct NearAmbient {
+    /// Radiance from every open direction, W·sr⁻¹·m⁻².
+    pub radiance: Rgb,
+    /// m
+    pub reach: f32,
+    /// Its place in the description.
+    pub number: u32,
 }
 
 impl Scene {

@@ -1,14 +1,16 @@
 //! Ambient occlusion: how much of a sky of radiance 1 a white surface would see, if nothing further away than a distance
 //! stood in between (Zhukov, Iones, Kronin, *An Ambient Light Illumination Model*, 1998).
 
-use super::{Answer, Path, Scratch, Vertex};
+use super::{Path, Scratch, Vertex};
 use crate::color::Rgb;
 use crate::geometry::Ray;
+use crate::integrator::Source;
 use crate::integrator::dimensions::Bounce;
+use crate::integrator::record::{Recorder, add};
 use crate::sampler::PathPoints;
 use crate::scene::Scene;
 use crate::shading::bsdf::{Kind, Lobe};
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec3};
 
 /// Looks for the sky.
 pub(crate) struct Occlusion<'a> {
@@ -26,10 +28,16 @@ impl<'a> Occlusion<'a> {
     /// Openness, 0..1, of what each of `rays` meets, one sample each by its `points`, into `scratch.samples`; the
     /// background where it meets nothing.
     #[inline(always)]
-    pub(crate) fn gather(&self, rays: &[Ray], points: &[PathPoints], scratch: &mut Scratch) {
+    pub(crate) fn gather(
+        &self,
+        rays: &[Ray],
+        points: &[PathPoints],
+        scratch: &mut Scratch,
+        recorder: &mut impl Recorder,
+    ) {
         self.path.look(rays, scratch);
-        self.arrive(scratch);
-        self.ask_the_sky(points, scratch);
+        self.arrive(scratch, recorder);
+        self.ask_the_sky(points, scratch, recorder);
     }
 
     /// π times the openness at `position` of a surface that faces the unit vector `normal`, one sample for each of
@@ -42,43 +50,41 @@ impl<'a> Occlusion<'a> {
         scratch: &mut Scratch,
     ) {
         self.path.stand(position, normal, points.len(), scratch);
-        self.ask_the_sky(points, scratch);
+        self.ask_the_sky(points, scratch, &mut ());
     }
 
     /// Makes white vertices of the surfaces that were met.
     #[inline(always)]
-    fn arrive(&self, scratch: &mut Scratch) {
+    fn arrive(&self, scratch: &mut Scratch, recorder: &mut impl Recorder) {
         let Path { scene, transparent, .. } = self.path;
         let Scratch { rays, walks, hits, vertices, lobes, samples, on_surface, .. } = scratch;
         lobes.push(Lobe { kind: Kind::Lambert, weight: Rgb::ONE, share: 1.0 });
         for ((ray, walk), hit) in rays.iter().zip(&*walks).zip(&*hits) {
-            let sample = &mut samples[walk.sample as usize];
+            recorder.follow(&walk.along(0, ray, hit));
             if hit.is_some() {
                 on_surface.push(walk.sample);
                 let mut white = Vertex::new(*walk, ray, &scene.interaction(ray, hit), 0);
                 white.lobes.end = 1;
                 vertices.push(white);
             } else if transparent {
-                sample.alpha = 0.0;
+                samples[walk.sample as usize].alpha = 0.0;
             } else {
-                sample.radiance = scene.background;
+                add(samples, recorder, walk.gain(0, Source::Background, scene.background));
             }
         }
     }
 
     #[inline(always)]
-    fn ask_the_sky(&self, points: &[PathPoints], scratch: &mut Scratch) {
+    fn ask_the_sky(
+        &self,
+        points: &[PathPoints],
+        scratch: &mut Scratch,
+        recorder: &mut impl Recorder,
+    ) {
         let pair = Bounce::new(0).direction();
-        self.path.ask(scratch, |vertex, lobes| {
-            self.light_from_sky(vertex, lobes, points[vertex.walk.sample as usize].pair(pair))
+        self.path.ask(0, scratch, recorder, |vertex, lobes| {
+            let u = points[vertex.walk.sample as usize].pair(pair);
+            vertex.light_from_sky(lobes, Source::Environment, self.distance, 0.0, u)
         });
-    }
-
-    /// From a direction picked by its cosine, in which the sky may be.
-    #[inline(always)]
-    fn light_from_sky(&self, vertex: &Vertex, lobes: &[Lobe], u: Vec2) -> Option<Answer> {
-        let sample = vertex.bsdf(lobes).sample(0.0, u)?;
-        let ray = Ray { t_max: self.distance, ..Ray::new(vertex.starts[0], sample.incoming) };
-        Some(Answer { ray: Some(ray), radiance: sample.weight })
     }
 }

@@ -25,7 +25,7 @@ pub use photometry::{Goniometer, PhotometricWeb};
 pub use place::Part;
 pub use shape::{Block, Cone, Cylinder, Disk, Plane, Quad, Shape, Sphere, Surface};
 pub use view::{
-    CameraDescription, Exposure, FilmDescription, Filter, Integrator, Projection, Shadows,
+    CameraDescription, Exposure, FilmDescription, Filter, Integrator, Projection, Section, Shadows,
 };
 
 use crate::color::Rgb;

@@ -1,0 +1,370 @@
+//! One sample from the camera to its end, with every number that one would write on the board.
+
+use super::sums::{Term, stopped_by};
+use crate::color::luminance;
+use crate::geometry::{Hit, Ray};
+use crate::integrator::{Asked, Followed, Gain, Record, Source, Way};
+use crate::render::{PASS, replay};
+use crate::scene::description::SceneDescription;
+use crate::scene::{Everything, Scene};
+use crate::shading::interaction::SurfaceInteraction;
+use crate::units::photometric;
+use glam::Vec3;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Surfaces along the camera ray that are named besides the one it met.
+const MOST_IGNORED: usize = 8;
+/// Lights that are told apart at one point.
+const MOST_LIGHTS: usize = 64;
+
+/// A ray, what it met, and the light there.
+#[derive(Debug, Clone, Serialize)]
+pub struct Step {
+    /// Where the ray starts.
+    pub origin: [f32; 3],
+    /// Unit vector along it.
+    pub direction: [f32; 3],
+    /// The range in which it looks, m: from, exclusive, and to; nothing if there is no end.
+    pub t_range: (f32, Option<f32>),
+    /// What light along it is multiplied by on its way to the eye.
+    pub throughput: [f32; 3],
+    /// What it met; nothing if it left the scene.
+    pub met: Option<Met>,
+    /// What came along it from there: emission, environment, background, ambient light, each with its source.
+    pub gained: Vec<(String, [f32; 3])>,
+    /// The lights there, the strongest first.
+    pub lights: Vec<Lighting>,
+}
+
+/// A point of a surface.
+#[derive(Debug, Clone, Serialize)]
+pub struct Met {
+    /// The surface.
+    pub surface: String,
+    /// Its material.
+    pub material: String,
+    /// Which of its triangles or parts.
+    pub primitive: u32,
+    /// How far along the ray, m.
+    pub distance: f32,
+    /// Where, m.
+    pub position: [f32; 3],
+    /// Texture coordinates.
+    pub uv: [f32; 2],
+    /// Whether it is its front that was met.
+    pub front: bool,
+    /// Unit normal of the surface as it is, on the side that was met.
+    pub geometric_normal: [f32; 3],
+    /// Unit normal that light is reckoned with, after smoothing and normal maps.
+    pub shading_normal: [f32; 3],
+    /// The material's parameters here, textures looked up.
+    pub values: Vec<Value>,
+    /// What else is on the way of the camera's ray, and was not met.
+    pub ignored: Vec<Ignored>,
+}
+
+/// A parameter of a material.
+#[derive(Debug, Clone, Serialize)]
+pub struct Value {
+    /// Its name.
+    pub name: &'static str,
+    /// One number, or one per channel.
+    pub value: Vec<f32>,
+}
+
+/// A surface on the way of a ray that it did not meet.
+#[derive(Debug, Clone, Serialize)]
+pub struct Ignored {
+    /// The surface.
+    pub surface: String,
+    /// How far along the ray, m.
+    pub distance: f32,
+    /// Why it was not met.
+    pub why: &'static str,
+}
+
+/// What one light does at a point.
+#[derive(Debug, Clone, Serialize)]
+pub struct Lighting {
+    /// The light or emitting surface.
+    pub source: String,
+    /// What it is: point, spot, surface, environment …
+    pub kind: &'static str,
+    /// How far it is, m; nothing if infinitely far.
+    pub distance: Option<f32>,
+    /// The lecture's geometry factor 1/r², m⁻².
+    pub geometry_factor: Option<f32>,
+    /// Unit vector to it.
+    pub incoming: Option<[f32; 3]>,
+    /// cos θ between that and the shading normal.
+    pub cos: Option<f32>,
+    /// Irradiance that it would cause on the surface, were nothing in the way, W·m⁻². Of a light with an extent, what
+    /// this sample stands for.
+    pub irradiance: [f32; 3],
+    /// The same in lux.
+    pub illuminance: f64,
+    /// What the shadow ray says.
+    pub verdict: Verdict,
+    /// Value of the BSDF, sr⁻¹.
+    pub bsdf: [f32; 3],
+    /// What it adds to the sample, W·sr⁻¹·m⁻².
+    pub radiance: [f32; 3],
+    /// The part of the pixel's luminance that comes from it after so many reflections, over all samples.
+    pub share: f64,
+}
+
+/// What becomes of a light's light on its way to a point.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case", tag = "is")]
+pub enum Verdict {
+    /// It arrives.
+    Lit,
+    /// It arrives, tinted by panes.
+    Tinted {
+        /// What is left of it.
+        passed: [f32; 3],
+    },
+    /// It casts no shadows, and arrives.
+    Unshadowed,
+    /// Something is in the way.
+    Blocked {
+        /// The surface.
+        by: String,
+        /// How far from the point, m.
+        distance: f32,
+    },
+    /// The light is below the horizon of the surface.
+    FacesAway,
+    /// The light does not shine in this direction.
+    OutsideBeam,
+    /// It arrives, and nothing of it is scattered towards the eye.
+    NotScattered,
+    /// Another light was asked for all.
+    NotAsked,
+}
+
+/// Follows one sample of a pixel.
+pub(super) fn follow(
+    scene: &Scene,
+    description: &SceneDescription,
+    pixel: [u32; 2],
+    sample: u32,
+    terms: &[Term],
+) -> Vec<Step> {
+    let (first, mut steps) = (sample / PASS * PASS, Vec::new());
+    let samples = first..scene.film().samples.min(first + PASS);
+    replay(scene, pixel, samples, |pass| {
+        let place = sample - pass.samples.start;
+        let board = Board { scene, description, record: pass.record, terms, place };
+        steps = board.steps();
+    });
+    steps
+}
+
+/// The record of one sample.
+struct Board<'a> {
+    scene: &'a Scene,
+    description: &'a SceneDescription,
+    record: &'a Record,
+    terms: &'a [Term],
+    /// The sample's place in its batch.
+    place: u32,
+}
+
+impl Board<'_> {
+    fn steps(&self) -> Vec<Step> {
+        let own = self.record.followed.iter().filter(|followed| followed.sample == self.place);
+        own.map(|followed| self.step(followed)).collect()
+    }
+
+    fn step(&self, followed: &Followed) -> Step {
+        let Followed { bounce, ray, hit, throughput, .. } = followed;
+        let point = hit.is_some().then(|| Point::new(self.scene, ray, hit));
+        let met = point.as_ref().map(|point| self.met(point, *bounce, ray));
+        let lights = point.map_or(Vec::new(), |point| self.lights(&point, *bounce));
+        let of_step = |gain: &&Gain| gain.sample == self.place && gain.bounce == *bounce;
+        let gained = self.record.gains.iter().filter(of_step).filter(|gain| !gain.asked);
+        let name = |gain: &Gain| (gain.source.name(self.description), gain.radiance.to_array());
+        Step {
+            origin: ray.origin.to_array(),
+            direction: ray.direction.to_array(),
+            t_range: (ray.t_min, ray.t_max.is_finite().then_some(ray.t_max)),
+            throughput: throughput.to_array(),
+            met,
+            gained: gained.map(name).collect(),
+            lights,
+        }
+    }
+
+    fn met(&self, point: &Point, bounce: u32, ray: &Ray) -> Met {
+        let Point { at, normal } = point;
+        let material = self.scene.material(&at.hit);
+        let values = self.scene.values(material, at).into_iter();
+        Met {
+            surface: Source::Surface(at.hit.surface).name(self.description),
+            material: material.name.clone(),
+            primitive: at.hit.primitive,
+            distance: at.hit.t,
+            position: at.position.to_array(),
+            uv: at.uv.to_array(),
+            front: at.front,
+            geometric_normal: at.geometric_normal.to_array(),
+            shading_normal: normal.to_array(),
+            values: values.map(|(name, value)| Value { name, value }).collect(),
+            ignored: if bounce == 0 { self.ignored(ray, &at.hit) } else { Vec::new() },
+        }
+    }
+
+    /// What is on the way of a ray besides what it met.
+    fn ignored(&self, ray: &Ray, met: &Hit) -> Vec<Ignored> {
+        let (mut ray, mut hits, mut ignored) = (Ray { t_min: 0.0, ..*ray }, Vec::new(), Vec::new());
+        let t_min = ray.t_min;
+        while ignored.len() < MOST_IGNORED {
+            self.scene.world.closest_hits(&[ray], &Everything, &mut hits);
+            let Some(hit) = hits.first().filter(|hit| hit.is_some()) else { break };
+            let why = match hit.t {
+                t if t <= t_min => "nearer than the ray's range",
+                t if t < met.t => "not seen from this side, a hole, or hidden from the camera",
+                _ => "behind it",
+            };
+            if (hit.surface, hit.primitive) != (met.surface, met.primitive) {
+                let surface = Source::Surface(hit.surface).name(self.description);
+                ignored.push(Ignored { surface, distance: hit.t, why });
+            }
+            ray.t_min = hit.t;
+        }
+        ignored
+    }
+
+    /// All lights at a point, the strongest first.
+    fn lights(&self, point: &Point, bounce: u32) -> Vec<Lighting> {
+        let mut asked_of = BTreeMap::<Source, Vec<&Asked>>::new();
+        for asked in &self.record.asked {
+            if (asked.gain.sample, asked.gain.bounce) == (self.place, bounce) {
+                asked_of.entry(asked.gain.source).or_default().push(asked);
+            }
+        }
+        let mut lights: Vec<_> =
+            asked_of.iter().map(|(source, all)| self.lighting(point, *source, all)).collect();
+        let strength = |light: &Lighting| luminance(light.radiance.into());
+        lights.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
+        let silent = self.sources().into_iter().filter(|source| !asked_of.contains_key(source));
+        lights.extend(silent.map(|source| self.silent(point, source, bounce)));
+        lights.truncate(MOST_LIGHTS);
+        lights
+    }
+
+    /// Everything that may be asked for light.
+    fn sources(&self) -> Vec<Source> {
+        let Scene { light_numbers, round_numbers, sun_numbers, .. } = self.scene;
+        let numbers = light_numbers.iter().chain(round_numbers).chain(sun_numbers);
+        let mut sources: Vec<_> = numbers.map(|number| Source::Light(*number)).collect();
+        let surfaces = self.scene.area_lights.iter().map(|light| Source::Surface(light.surface));
+        sources.extend(surfaces);
+        sources.extend(self.scene.environment.as_ref().map(|_| Source::Environment));
+        sources.sort();
+        sources.dedup();
+        sources
+    }
+
+    /// A light that was asked once, or part by part.
+    fn lighting(&self, point: &Point, source: Source, asked: &[&Asked]) -> Lighting {
+        let gives = |asked: &&&Asked| luminance(asked.gain.radiance * asked.passed);
+        let may_give = |asked: &&&Asked| luminance(asked.gain.radiance);
+        let order = |a: &&&Asked, b: &&&Asked| {
+            gives(a).total_cmp(&gives(b)).then(may_give(a).total_cmp(&may_give(b)))
+        };
+        let strongest = asked.iter().max_by(order).map_or(asked[0], |asked| asked);
+        let on_surface = |asked: &&Asked| asked.irradiance * point.cos(asked.incoming).abs();
+        let irradiance: Vec3 = asked.iter().map(on_surface).sum();
+        let radiance: Vec3 = asked.iter().map(|asked| asked.gain.radiance * asked.passed).sum();
+        let cos = point.cos(strongest.incoming);
+        let distance = strongest.ray.map(|ray| ray.t_max).filter(|distance| distance.is_finite());
+        Lighting {
+            source: source.name(self.description),
+            kind: source.kind(self.description),
+            distance,
+            geometry_factor: distance.map(|distance| distance.powi(-2)),
+            incoming: Some(strongest.incoming.to_array()),
+            cos: Some(cos),
+            irradiance: irradiance.to_array(),
+            illuminance: photometric(irradiance, self.scene.luminous_efficacy().0),
+            verdict: self.verdict(strongest),
+            bsdf: (strongest.scattered / cos.abs().max(f32::MIN_POSITIVE)).to_array(),
+            radiance: radiance.to_array(),
+            share: self.share((source, strongest.gain.reflections)),
+        }
+    }
+
+    fn verdict(&self, asked: &Asked) -> Verdict {
+        let Some(ray) = asked.ray else { return Verdict::Unshadowed };
+        match stopped_by(self.scene, asked, &ray) {
+            Some((surface, distance)) => {
+                Verdict::Blocked { by: Source::Surface(surface).name(self.description), distance }
+            }
+            None if asked.passed == Vec3::ONE => Verdict::Lit,
+            None => Verdict::Tinted { passed: asked.passed.to_array() },
+        }
+    }
+
+    fn share(&self, key: (Source, u32)) -> f64 {
+        self.terms.iter().find(|term| term.key == key).map_or(0.0, |term| term.share)
+    }
+
+    /// A light that gave nothing.
+    fn silent(&self, point: &Point, source: Source, bounce: u32) -> Lighting {
+        let place = |numbers: &[u32]| {
+            let Source::Light(wanted) = source else { return None };
+            numbers.iter().position(|number| *number == wanted)
+        };
+        let position = point.at.position.as_dvec3();
+        let found = place(&self.scene.light_numbers).map(|i| &self.scene.lights[i]);
+        let sample = found.and_then(|light| light.sample(position));
+        let cos = sample.map(|sample| point.cos(sample.incoming));
+        let all_asked = Way::of(self.scene, false).asks_all(bounce);
+        let verdict = match (found, cos) {
+            (Some(_), None) => Verdict::OutsideBeam,
+            (Some(_), Some(cos)) if cos <= 0.0 => Verdict::FacesAway,
+            (Some(_), Some(_)) if all_asked => Verdict::NotScattered,
+            (None, _) if all_asked => Verdict::FacesAway,
+            _ => Verdict::NotAsked,
+        };
+        let distance = sample.map(|s| s.distance).filter(|distance| distance.is_finite());
+        let irradiance =
+            sample.map_or(Vec3::ZERO, |sample| sample.irradiance * cos.unwrap_or(0.0).max(0.0));
+        Lighting {
+            source: source.name(self.description),
+            kind: source.kind(self.description),
+            distance,
+            geometry_factor: distance.map(|distance| distance.powi(-2)),
+            incoming: sample.map(|sample| sample.incoming.to_array()),
+            cos,
+            irradiance: irradiance.to_array(),
+            illuminance: photometric(irradiance, self.scene.luminous_efficacy().0),
+            verdict,
+            bsdf: [0.0; 3],
+            radiance: [0.0; 3],
+            share: 0.0,
+        }
+    }
+}
+
+/// A point with the normal that light is reckoned with.
+struct Point {
+    at: SurfaceInteraction,
+    normal: Vec3,
+}
+
+impl Point {
+    fn new(scene: &Scene, ray: &Ray, hit: &Hit) -> Self {
+        let (at, material) = (scene.interaction(ray, hit), scene.material(hit));
+        let boundary = scene.boundary_from_air(material, &at);
+        let (frame, _) = scene.add_lobes(material, &at, -ray.direction, boundary, &mut Vec::new());
+        Self { at, normal: frame.normal() }
+    }
+
+    fn cos(&self, direction: Vec3) -> f32 {
+        self.normal.dot(direction)
+    }
+}

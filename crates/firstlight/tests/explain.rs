@@ -1,0 +1,150 @@
+//! An explanation adds up to its pixel, and says what one would reckon by hand.
+
+use firstlight::explain::{Explanation, Verdict, explain};
+use firstlight::io::scene_file;
+use firstlight::render::{RenderOptions, render};
+use firstlight::{FileAccess, Scene, SceneDescription};
+use std::f64::consts::PI;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+/// The scene of a text in a file of that name, with some values set.
+fn read(path: &Path, text: &str, set: &[&str]) -> SceneDescription {
+    let set: Vec<_> = set.iter().map(|set| set.parse().expect("a value is set")).collect();
+    let access = FileAccess::beside(path, &[]);
+    let scene = scene_file::read(text, "scene.toml", &set, &access, &mut Vec::new());
+    let scene = scene.unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    scene.check().expect("what was read is sound");
+    scene
+}
+
+/// All scenes of the project.
+fn scene_files() -> Vec<PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+    let (mut folders, mut files) = (vec![root], Vec::new());
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).expect("the folder can be read") {
+            let path = entry.expect("the folder can be read").path();
+            match path.extension() {
+                None => folders.push(path),
+                Some(extension) if extension == "toml" => files.push(path),
+                Some(_) => {}
+            }
+        }
+    }
+    files
+}
+
+/// The same as a picture and pixel by pixel.
+fn assert_adds_up(name: &str, description: &SceneDescription) {
+    let scene = Scene::build(description);
+    let picture = render(&scene, &RenderOptions::default(), &|_| ControlFlow::Continue(())).image;
+    for (index, pixel) in picture.pixels().iter().enumerate() {
+        let place = [index as u32 % picture.width(), index as u32 / picture.width()];
+        let explanation = explain(&scene, description, place, 0.0);
+        let [r, g, b, alpha] = *pixel;
+        let told = (explanation.radiance, explanation.alpha);
+        assert_eq!(told, ([r, g, b], alpha), "{name}: {place:?} is rendered as {pixel:?}");
+        let largest = f64::from(r.max(g).max(b));
+        for (channel, seen) in [r, g, b].into_iter().enumerate() {
+            let sum: f64 = explanation.terms.iter().map(|term| term.radiance[channel]).sum();
+            let difference = (sum - f64::from(seen)).abs();
+            assert!(difference <= 1e-6 * largest, "{name}: {place:?} adds up to {sum}, not {seen}");
+        }
+    }
+}
+
+#[test]
+fn the_terms_of_every_pixel_add_up() {
+    let files = scene_files();
+    assert!(files.len() > 15, "{files:?}");
+    for file in files {
+        let text = std::fs::read_to_string(&file).expect("the scene can be read");
+        let mut description = read(&file, &text, &["film.resolution=[24, 16]", "film.samples=6"]);
+        description.film.transparent |= file.ends_with("first.toml");
+        assert_adds_up(&file.display().to_string(), &description);
+    }
+}
+
+const BOARD: &str = "
+    film = { resolution = [9, 9], samples = 1 }
+    camera.orthographic = { position = [0, 0, 4], target = [0, 0, 0], height = 0.1, up = [0, 1, 0] }
+    surfaces.floor.quad = { corner = [-2, -2, 0], edge_u = [4, 0, 0], edge_v = [0, 4, 0] }
+    surfaces.floor.material = 'grey'
+    materials.grey.lambert = { reflectance = 0.5 }
+    lights.key.point = { position = [0, 3, 4], intensity = 100 }
+    lights.spot.spot = { position = [1.5, 0, 1], target = [1.9, 0, 0], intensity = 10, outer_angle = '20 deg' }
+    lights.below.directional = { direction = [0, 0, 1], irradiance = 1 }
+";
+
+fn middle(text: &str, more: &[&str]) -> Explanation {
+    let description = read(Path::new("scene.toml"), text, more);
+    explain(&Scene::build(&description), &description, [4, 4], 0.0)
+}
+
+/// E = I cos θ / r², L = R/π E, reckoned from where the ray met the floor.
+#[test]
+fn a_light_does_what_the_lecture_says() {
+    let explanation = middle(BOARD, &[]);
+    let step = &explanation.path[0];
+    let met = step.met.as_ref().unwrap();
+    assert_eq!((met.surface.as_str(), met.material.as_str()), ("floor", "grey"));
+    let [x, y, z] = met.position.map(f64::from);
+    assert!(z.abs() < 1e-6 && x.abs() < 0.01 && y.abs() < 0.01, "{met:?}");
+    let key = step.lights.iter().find(|light| light.source == "key").unwrap();
+    let squared = x * x + (3.0 - y) * (3.0 - y) + 16.0;
+    let (cos, irradiance) = (4.0 / squared.sqrt(), 100.0 / squared * 4.0 / squared.sqrt());
+    let near = |a: f32, b: f64| assert!((f64::from(a) / b - 1.0).abs() < 1e-5, "{a} is not {b}");
+    near(key.distance.unwrap(), squared.sqrt());
+    near(key.geometry_factor.unwrap(), 1.0 / squared);
+    near(key.cos.unwrap(), cos);
+    near(key.irradiance[1], irradiance);
+    near(key.illuminance as f32, 683.0 * irradiance);
+    near(key.bsdf[1], 0.5 / PI);
+    near(key.radiance[1], 0.5 / PI * irradiance);
+    assert_eq!(key.verdict, Verdict::Lit);
+    assert!((key.share - 1.0).abs() < 1e-12, "{}", key.share);
+}
+
+#[test]
+fn lights_that_give_nothing_say_why() {
+    let verdict = |name: &str, more: &[&str]| {
+        let explanation = middle(BOARD, more);
+        let light = explanation.path[0].lights.iter().find(|light| light.source == name);
+        (light.unwrap().verdict.clone(), explanation.cause.text)
+    };
+    assert_eq!(verdict("spot", &[]).0, Verdict::OutsideBeam);
+    assert_eq!(verdict("below", &[]).0, Verdict::FacesAway);
+    let shade = "surfaces.shade.sphere={center=[0, 1.5, 2], radius=0.5}";
+    let (blocked, cause) = verdict("key", &[shade]);
+    let Verdict::Blocked { by, distance } = blocked else { panic!("{blocked:?}") };
+    assert_eq!(by, "shade");
+    assert!((distance - 2.0).abs() < 0.02, "the sphere begins 2 m away, not {distance}");
+    assert!(cause.contains("light 'key' is blocked by 'shade' 2"), "{cause}");
+    let (lit, _) = verdict("key", &[shade, "lights.key.point.shadows=false"]);
+    assert_eq!(lit, Verdict::Unshadowed);
+}
+
+#[test]
+fn dark_pixels_have_causes() {
+    let cause = |more: &[&str]| middle(BOARD, more).cause;
+    let cases = [
+        (vec!["materials.grey.lambert.reflectance=0.01"], "black_surface"),
+        (vec!["lights.key.point.intensity=0.001"], "weak_light"),
+        (vec!["lights.key.point.intensity=5000"], "too_bright"),
+        (
+            vec!["lights.key.point.position=[0, 0, -4]", "lights.spot.spot.intensity=0"],
+            "faces_away",
+        ),
+        (vec!["surfaces.floor.quad.corner=[5, 5, 0]"], "background"),
+        (
+            vec!["materials.grey.lambert.emission=0.4", "lights.key.point.intensity=0.01"],
+            "emission",
+        ),
+        (vec![], "lit"),
+    ];
+    for (more, kind) in cases {
+        let found = cause(&more);
+        assert_eq!(found.kind, kind, "{more:?}: {}", found.text);
+    }
+}
