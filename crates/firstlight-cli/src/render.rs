@@ -9,6 +9,7 @@ use crate::report::{self, Bar};
 use crate::{Exit, Failure, Outcome, verdict};
 use firstlight::color::View;
 use firstlight::diagnostic::{Diagnostic, Result, visible};
+use firstlight::doctor::{Care, Doctor};
 use firstlight::io::{Develop, Format, Metadata, PartInfo, Warnings, save, save_part};
 use firstlight::layers::LightLayers;
 use firstlight::render::{
@@ -47,18 +48,22 @@ pub(crate) fn run(args: RenderArgs) -> Outcome {
     output.spare(&access.opened())?;
     check_size(&scene, &args)?;
     check_samples(&scene, args.samples)?;
-    warnings.extend(verdict::foresee(&scene));
     warnings.extend(verdict::opaque(&scene, output.format));
-    report::warnings(&warnings);
     clock.lap("load");
     let level = args.picture.level();
     let built = with_threads(threads, || Scene::build_with(&scene, level, args.build.into()));
     layers::check_size(&args, &built)?;
     clock.lap("build");
+    let doctor = Doctor::new(&scene, &built);
+    warnings.extend(doctor.examine(Care::Quick));
+    let mut warnings = args.findings.heeded(warnings);
+    report::warnings(&warnings);
+    clock.lap("check");
     let signal = Signal::listen();
     let (picture, lights) = draw(&args, threads, &built, output.format, &signal);
     clock.lap("render");
-    let doubts = verdict::judge(&scene, &picture);
+    let shown = verdict::shown(&picture, picture.rendered.noise);
+    let doubts = args.findings.heeded(doctor.judge(&shown));
     report::warnings(&doubts);
     warnings.extend(doubts);
     match (&args.aov, lights) {
@@ -73,7 +78,7 @@ pub(crate) fn run(args: RenderArgs) -> Outcome {
     clock.lap("write");
     let done = Done { args: &args, scene, built, picture, output, threads, warnings, clock };
     done.report()?;
-    Ok(signal.exit().unwrap_or(match args.strict && !done.warnings.is_empty() {
+    Ok(signal.exit().unwrap_or(match args.findings.strict && !done.warnings.is_empty() {
         true => Exit::Strict,
         false => Exit::Done,
     }))

@@ -12,6 +12,7 @@ mod material;
 mod studio;
 mod values;
 
+pub(crate) use build::light_middle;
 pub(crate) use filter::{Everything, Meets, OnlyPanes, SeenByCamera, StopsLight};
 pub use framing::{bounds, frame};
 pub(crate) use lights::{LocalLight, LocalLights};

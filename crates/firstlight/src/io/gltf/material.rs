@@ -359,6 +359,10 @@ impl Reader<'_, '_, '_> {
         let strength = extensions.emissive_strength.as_ref().and_then(|e| e.emissive_strength);
         let strength = strength.map_or(1.0, |strength| strength.0);
         let [r, g, b] = material.emissive_factor.map_or([0.0; 3], plain);
+        if strength == 0.0 && [r, g, b] != [0.0; 3] {
+            let part = format!("{}.extensions.KHR_materials_emissive_strength", self.part);
+            self.notes.add(part, "its emissiveStrength is 0: it emits nothing");
+        }
         let factor = [r, g, b].map(|channel| channel * strength);
         if factor.iter().any(|channel| !(0.0..f32::INFINITY).contains(channel)) {
             let cause = format!("emits {factor:?}; each channel must be at least 0 and finite");
