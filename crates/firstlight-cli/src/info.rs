@@ -5,7 +5,6 @@ use crate::check::triangles;
 use crate::output::{print, print_json};
 use crate::{Exit, Outcome, report};
 use firstlight::SceneDescription;
-use firstlight::color::Rgb;
 use firstlight::diagnostic::visible;
 use firstlight::io::Warnings;
 use firstlight::scene::bounds;
@@ -64,25 +63,6 @@ fn instances(scene: &SceneDescription) -> usize {
     uses.into_iter().map(|count| count.saturating_sub(1)).sum()
 }
 
-/// The kind of a light, what its quantity is, and how much it gives in its brightest direction.
-fn quantity(light: &Light) -> (&'static str, Dimension, Rgb) {
-    use CameraLightAmount::{Intensity, Irradiance};
-    match light {
-        Light::Point { intensity, .. } => ("point", Dimension::Intensity, *intensity),
-        Light::Spot { intensity, .. } => ("spot", Dimension::Intensity, *intensity),
-        Light::Photometric { web, factor, .. } => {
-            ("photometric", Dimension::Intensity, *factor * web.brightest())
-        }
-        Light::Directional { irradiance, .. } => {
-            ("directional", Dimension::Irradiance, *irradiance)
-        }
-        Light::Sun { irradiance, .. } => ("sun", Dimension::Irradiance, *irradiance),
-        Light::Ambient { radiance, .. } => ("ambient", Dimension::Radiance, *radiance),
-        Light::Camera { amount: Intensity(value) } => ("camera", Dimension::Intensity, *value),
-        Light::Camera { amount: Irradiance(value) } => ("camera", Dimension::Irradiance, *value),
-    }
-}
-
 fn name_of(dimension: Dimension) -> &'static str {
     match dimension {
         Dimension::Intensity => "intensity",
@@ -122,6 +102,7 @@ fn as_json(scene: &SceneDescription) -> Value {
             "exposure_ev": match film.exposure {
                 Exposure::Ev(ev) => json!(ev),
                 Exposure::Auto => json!("auto"),
+                Exposure::Camera(_) => json!(film.exposure.stops(scene.luminous_efficacy)),
             },
             "transparent": film.transparent,
         },
@@ -134,7 +115,7 @@ fn as_json(scene: &SceneDescription) -> Value {
 }
 
 fn light_json(described: &LightDescription, scene: &SceneDescription) -> Value {
-    let (kind, dimension, value) = quantity(&described.light);
+    let (kind, (dimension, value)) = (described.light.kind(), described.light.quantity());
     json!({
         "name": described.name,
         "kind": kind,
@@ -246,7 +227,7 @@ fn point(corner: DVec3, size: f64) -> String {
 }
 
 fn light_row(described: &LightDescription, scene: &SceneDescription) -> [String; 2] {
-    let (kind, dimension, value) = quantity(&described.light);
+    let (kind, (dimension, value)) = (described.light.kind(), described.light.quantity());
     let unit = units::unit(dimension, Measure::Radiometric);
     let [r, g, b] = value.to_array().map(f64::from);
     let energy = match r == g && g == b {
@@ -305,6 +286,8 @@ fn material_text(material: &Material) -> String {
         }
         Pattern::Image { .. } => "a picture".into(),
         Pattern::Checker { .. } => "a checkerboard".into(),
+        Pattern::Gradient { .. } => "a gradient".into(),
+        Pattern::Noise { .. } => "noise".into(),
     };
     let [r, g, b, _] = material.emission.factor;
     let emission = match r.max(g).max(b) > 0.0 {
@@ -345,6 +328,9 @@ fn film_text(film: &FilmDescription) -> String {
     let exposure = match film.exposure {
         Exposure::Ev(ev) => format!("exposure {ev:+} EV"),
         Exposure::Auto => "exposure auto".into(),
+        Exposure::Camera(CameraSettings { shutter, f_number, iso }) => {
+            format!("exposure {} f/{f_number} ISO {iso}", units::format(shutter, "s"))
+        }
     };
     let transparent = if film.transparent { ", transparent" } else { "" };
     let FilmDescription { width, height, samples, seed, .. } = film;

@@ -9,13 +9,13 @@ use crate::report::{self, Bar};
 use crate::{Exit, Failure, Outcome, verdict};
 use firstlight::color::View;
 use firstlight::diagnostic::{Diagnostic, Result, visible};
+use firstlight::doctor::{Care, Doctor};
 use firstlight::io::{Develop, Format, Metadata, PartInfo, Warnings, save, save_part};
 use firstlight::layers::LightLayers;
 use firstlight::render::{
     Crop, PASS as SAMPLES_PER_PASS, Progress, RenderOptions, Rendered, Stop, render, render_layers,
     with_threads,
 };
-use firstlight::scene::description::Exposure;
 use firstlight::{Scene, SceneDescription, auto_exposure};
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
@@ -48,18 +48,22 @@ pub(crate) fn run(args: RenderArgs) -> Outcome {
     output.spare(&access.opened())?;
     check_size(&scene, &args)?;
     check_samples(&scene, args.samples)?;
-    warnings.extend(verdict::foresee(&scene));
     warnings.extend(verdict::opaque(&scene, output.format));
-    report::warnings(&warnings);
     clock.lap("load");
     let level = args.picture.level();
     let built = with_threads(threads, || Scene::build_with(&scene, level, args.build.into()));
     layers::check_size(&args, &built)?;
     clock.lap("build");
+    let doctor = Doctor::new(&scene, &built);
+    warnings.extend(doctor.examine(Care::Quick));
+    let mut warnings = args.findings.heeded(warnings);
+    report::warnings(&warnings);
+    clock.lap("check");
     let signal = Signal::listen();
     let (picture, lights) = draw(&args, threads, &built, output.format, &signal);
     clock.lap("render");
-    let doubts = verdict::judge(&scene, &picture);
+    let shown = verdict::shown(&picture, picture.rendered.noise);
+    let doubts = args.findings.heeded(doctor.judge(&shown));
     report::warnings(&doubts);
     warnings.extend(doubts);
     match (&args.aov, lights) {
@@ -74,7 +78,7 @@ pub(crate) fn run(args: RenderArgs) -> Outcome {
     clock.lap("write");
     let done = Done { args: &args, scene, built, picture, output, threads, warnings, clock };
     done.report()?;
-    Ok(signal.exit().unwrap_or(match args.strict && !done.warnings.is_empty() {
+    Ok(signal.exit().unwrap_or(match args.findings.strict && !done.warnings.is_empty() {
         true => Exit::Strict,
         false => Exit::Done,
     }))
@@ -84,10 +88,10 @@ pub(crate) fn run(args: RenderArgs) -> Outcome {
 fn plan(args: &RenderArgs) -> Outcome<Output> {
     let stem = args.picture.input.stem();
     let Some([from, to]) = args.samples else {
-        let OutputArgs { path, format } = &args.output;
+        let OutputArgs { path, format, no_dither } = &args.output;
         let format =
             format.or(args.aov.as_ref().map(|_| FormatName::Exr).filter(|_| path.is_none()));
-        let output = OutputArgs { path: path.clone(), format };
+        let output = OutputArgs { path: path.clone(), format, no_dither: *no_dither };
         return Output::plan(&output, stem, args.json);
     };
     let mut stem = stem.to_owned();
@@ -170,7 +174,8 @@ fn draw(
     bar.finish();
     rendered.interrupted |= signal.asked();
     let film = scene.film();
-    (Picture::new(rendered, film.exposure, film.view, format), lights)
+    let stops = film.exposure.stops(scene.luminous_efficacy());
+    (Picture::new(rendered, stops, film.view, format), lights)
 }
 
 impl RenderArgs {
@@ -183,12 +188,9 @@ impl RenderArgs {
 
 impl Picture {
     /// With the exposure that is asked for, or found from the picture.
-    pub(crate) fn new(rendered: Rendered, exposure: Exposure, view: View, format: Format) -> Self {
-        let (exposure_ev, auto_exposure) = match exposure {
-            Exposure::Ev(ev) => (ev, false),
-            Exposure::Auto => (auto_exposure(&rendered.image), true),
-        };
-        Self { rendered, exposure_ev, auto_exposure, view, format }
+    pub(crate) fn new(rendered: Rendered, stops: Option<f64>, view: View, format: Format) -> Self {
+        let exposure_ev = stops.unwrap_or_else(|| auto_exposure(&rendered.image));
+        Self { rendered, exposure_ev, auto_exposure: stops.is_none(), view, format }
     }
 }
 
@@ -244,7 +246,7 @@ fn write(
 ) -> Outcome<()> {
     let info = info(args, scene, picture);
     if args.samples.is_none() {
-        return write_picture(&info, picture, output);
+        return write_picture(&info, picture, !args.output.no_dither, output);
     }
     let saved = save_part(&info, &picture.rendered.film);
     let bytes = saved.map_err(|error| Failure { exit: Exit::Failed, error })?;
@@ -252,8 +254,13 @@ fn write(
 }
 
 /// Writes a picture and how it was made.
-pub(crate) fn write_picture(info: &PartInfo, picture: &Picture, output: &Output) -> Outcome<()> {
-    let develop = Develop { exposure_ev: picture.exposure_ev as f32, view: picture.view };
+pub(crate) fn write_picture(
+    info: &PartInfo,
+    picture: &Picture,
+    dither: bool,
+    output: &Output,
+) -> Outcome<()> {
+    let develop = Develop { exposure_ev: picture.exposure_ev as f32, view: picture.view, dither };
     let metadata = metadata(info, picture);
     let bytes = save(&picture.rendered.image, output.format, develop, &metadata)
         .map_err(|error| Failure { exit: Exit::Failed, error })?;
@@ -275,7 +282,7 @@ fn info(args: &RenderArgs, scene: &SceneDescription, picture: &Picture) -> PartI
         crop: [x, y, width, height],
         samples: film.samples,
         seed: film.seed,
-        exposure: if let Exposure::Ev(ev) = film.exposure { Some(ev) } else { None },
+        exposure: film.exposure.stops(scene.luminous_efficacy),
         view: film.view,
         ranges: vec![[from, from + rendered.samples]],
     }

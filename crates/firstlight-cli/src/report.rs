@@ -36,13 +36,17 @@ pub(crate) fn as_json(warnings: &[Diagnostic]) -> Value {
     let one = |warning: &Diagnostic| {
         let place = warning.place.to_string();
         let place = if place.is_empty() { Value::Null } else { place.into() };
-        json!({ "place": place, "message": warning.message, "help": warning.help })
+        let code = if warning.code.is_empty() { Value::Null } else { warning.code.into() };
+        json!({ "code": code, "place": place, "message": warning.message, "help": warning.help })
     };
     warnings.iter().map(one).collect()
 }
 
 fn complaint(kind: &str, color: &str, what: &Diagnostic) {
-    let message = Diagnostic { help: None, ..what.clone() };
+    let mut message = Diagnostic { help: None, ..what.clone() };
+    if !what.code.is_empty() {
+        message.message += &format!(" [{}]", what.code);
+    }
     line(format_args!("{} {message}", painted(&format!("{kind}:"), color)));
     if let Some(help) = &what.help {
         line(format_args!(" {} {}", painted("help:", CYAN), visible(help)));

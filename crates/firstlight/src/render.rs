@@ -182,7 +182,14 @@ pub(crate) fn replay(
         record.clear();
         for tile in film.tiles_mut() {
             let (samples, worker, recorder) = (samples.clone(), &mut worker, &mut record);
-            take_recorded(&render, tile, samples, None, worker, recorder);
+            take_recorded(TilePass {
+                render: &render,
+                tile,
+                samples,
+                half: None,
+                worker,
+                recorder,
+            });
         }
         observe(Replayed { samples, weights: &worker.weights, record: &record });
     }
@@ -300,27 +307,28 @@ impl<'a> Render<'a> {
                 (Some(half), Some(passes)) => tile.next_samples(half, passes[i], PASS, HALF),
                 _ => even.clone(),
             };
-            self.fill(tile, keeper, samples, half, worker);
+            self.fill(worker, tile, keeper, samples, half);
         });
     }
 
     /// Takes samples of every pixel of a tile.
     fn fill<K: Keeper>(
         &self,
+        worker: &mut Worker,
         tile: &mut Tile,
         keeper: &mut K,
         samples: Range<u32>,
         half: Option<Half>,
-        worker: &mut Worker,
     ) {
+        let pixels = tile.pixels.len() as u64;
         let mut taken = 0;
         for start in samples.clone().step_by(PASS as usize) {
             if self.tally().stop == Some(Stop::Now) {
                 return;
             }
             let samples = start..samples.end.min(start + PASS);
-            taken += (tile.pixels.len() * samples.len()) as u64;
-            keeper.take(self, tile, samples, half, worker);
+            taken += pixels * samples.len() as u64;
+            keeper.take(TilePass { render: self, tile, samples, half, worker, recorder: &mut () });
         }
         self.report(worker, taken);
     }
@@ -408,15 +416,8 @@ trait Keeper: Send {
     /// Whether samples may go where the noise is. What is kept is one mean of all samples, which has to be the picture's.
     const AIMS: bool;
 
-    /// Takes the samples; `half`: that of the picture that they belong to, where halves take turns.
-    fn take(
-        &mut self,
-        render: &Render<'_>,
-        tile: &mut Tile,
-        samples: Range<u32>,
-        half: Option<Half>,
-        worker: &mut Worker,
-    );
+    /// Takes the samples.
+    fn take(&mut self, pass: TilePass<'_, '_, ()>);
 }
 
 /// Keeps nothing.
@@ -425,16 +426,8 @@ impl Keeper for () {
 
     fn of(_: &Scene, _: &Tile) {}
 
-    fn take(
-        &mut self,
-        render: &Render<'_>,
-        tile: &mut Tile,
-        samples: Range<u32>,
-        half: Option<Half>,
-        worker: &mut Worker,
-    ) {
-        let recorder = &mut ();
-        render.scene.level().run(TilePass { render, tile, samples, half, worker, recorder });
+    fn take(&mut self, pass: TilePass<'_, '_, ()>) {
+        pass.render.scene.level().run(pass);
     }
 }
 
@@ -445,42 +438,30 @@ impl Keeper for LightTile {
         Self::new(scene, tile.pixels.len())
     }
 
-    fn take(
-        &mut self,
-        render: &Render<'_>,
-        tile: &mut Tile,
-        samples: Range<u32>,
-        half: Option<Half>,
-        worker: &mut Worker,
-    ) {
+    fn take(&mut self, pass: TilePass<'_, '_, ()>) {
+        let TilePass { render, tile, samples, half, worker, .. } = pass;
         let mut record = Record::default();
-        take_recorded(render, tile, samples, half, worker, &mut record);
+        let recorder = &mut record;
+        take_recorded(TilePass { render, tile, samples, half, worker: &mut *worker, recorder });
         let pixels = worker.pixels.iter().map(|&(pixel, _)| pixel);
         let samples: Vec<Taken> = pixels
             .zip(&worker.weights)
             .zip(worker.gatherer.samples(render.scene))
             .map(|((pixel, &weight), sample)| Taken { pixel, weight, sample: *sample })
             .collect();
-        self.add(&samples, &record);
+        self.add(&samples, half.unwrap_or(Half::First), &record);
     }
 }
 
-/// Takes samples of a tile and records all that happens, with instructions that every processor has: to compile all
-/// stages for this once more at each level would not pay.
-fn take_recorded(
-    render: &Render<'_>,
-    tile: &mut Tile,
-    samples: Range<u32>,
-    half: Option<Half>,
-    worker: &mut Worker,
-    recorder: &mut Record,
-) {
-    TilePass { render, tile, samples, half, worker, recorder }.take();
+/// Takes samples and records all that happens, with instructions that every processor has: to compile all stages for this
+/// once more at each level would not pay.
+fn take_recorded(pass: TilePass<'_, '_, Record>) {
+    pass.take();
 }
 
 /// One pass over one tile, with all its stages compiled for the processor's level.
-struct TilePass<'a, R> {
-    render: &'a Render<'a>,
+struct TilePass<'a, 'r, R> {
+    render: &'a Render<'r>,
     tile: &'a mut Tile,
     samples: Range<u32>,
     /// The half of the picture that they belong to, where halves take turns.
@@ -489,7 +470,7 @@ struct TilePass<'a, R> {
     recorder: &'a mut R,
 }
 
-impl<R: Recorder> Kernel for TilePass<'_, R> {
+impl<R: Recorder> Kernel for TilePass<'_, '_, R> {
     type Output = ();
 
     #[inline(always)]
@@ -498,7 +479,7 @@ impl<R: Recorder> Kernel for TilePass<'_, R> {
     }
 }
 
-impl<R: Recorder> TilePass<'_, R> {
+impl<R: Recorder> TilePass<'_, '_, R> {
     /// Takes the samples of every pixel of the tile.
     #[inline(always)]
     fn take(self) {

@@ -22,8 +22,8 @@ fn a_render_reports_everything() {
     assert_eq!(json["warnings"], serde_json::json!([]));
     let seconds = json["seconds"].as_object().unwrap();
     let stages: Vec<_> = seconds.keys().map(String::as_str).collect();
-    assert_eq!(stages, ["load", "build", "render", "write", "total"]);
-    let sum: f64 = stages[..4].iter().map(|stage| seconds[*stage].as_f64().unwrap()).sum();
+    assert_eq!(stages, ["load", "build", "check", "render", "write", "total"]);
+    let sum: f64 = stages[..5].iter().map(|stage| seconds[*stage].as_f64().unwrap()).sum();
     assert!(seconds["total"].as_f64().unwrap() >= sum - 1e-9);
     #[cfg(target_os = "linux")]
     assert!(json["memory"]["peak_bytes"].as_u64().unwrap() > 1 << 20);

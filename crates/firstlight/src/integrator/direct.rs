@@ -203,7 +203,8 @@ impl<'a> Direct<'a> {
                 }
                 continue;
             }
-            let surface = self.scene.interaction(&rays[ray], hit);
+            let mut surface = self.scene.interaction(&rays[ray], hit);
+            surface.seen_width = self.scene.cone.after(hit.t).width;
             let material = self.scene.material(hit);
             let start = self.scene.shadow_start(&surface, &rays[ray]);
             let (scattered, matte, number) = if material.is_matte() {

@@ -21,7 +21,7 @@ use super::shadows::ShadowRays;
 use super::source::Source;
 use crate::color::Rgb;
 use crate::film::Sample;
-use crate::geometry::{Hit, Ray};
+use crate::geometry::{Cone, Hit, Ray};
 use crate::sampler::PathPoints;
 use crate::scene::{LocalLight, LocalLights, Meets, Scene, SeenByCamera};
 use crate::shading::bsdf::{Bsdf, Frame, Kind, Lobe};
@@ -122,6 +122,8 @@ struct Walk {
     media: Media,
     /// The colour channel that it is followed for, once glass has torn colours apart.
     channel: Option<u8>,
+    /// The cone around the last ray.
+    cone: Cone,
 }
 
 /// A point where a path is scattered.
@@ -186,7 +188,8 @@ impl<'a> Path<'a> {
             let known =
                 known.unwrap_or_else(|| (ray.origin, Media::around(self.scene, ray.origin)));
             around = Some(known);
-            scratch.walks.push(Walk { media: known.1, ..Walk::from_eye(sample) });
+            let eye = Walk::from_eye(sample);
+            scratch.walks.push(Walk { media: known.1, cone: self.scene.cone, ..eye });
         }
         let filter = SeenByCamera(self.scene, 0);
         self.scene.world.closest_hits(&scratch.rays, &filter, &mut scratch.hits);
@@ -214,7 +217,7 @@ impl<'a> Path<'a> {
         let start = position + clearance(normal, position.abs(), 0.0) * normal;
         scratch.begin(count);
         let media = Media::around(self.scene, start);
-        scratch.lobes.push(Lobe { kind: Kind::Lambert, weight: Rgb::splat(PI), share: 1.0 });
+        scratch.lobes.push(Lobe::new(Kind::Lambert, Rgb::splat(PI)));
         scratch.vertices.extend((0..count as u32).map(|sample| Vertex {
             walk: Walk { sharp_only: false, media, ..Walk::from_eye(sample) },
             position,
@@ -273,12 +276,12 @@ impl<'a> Path<'a> {
                     let gain = walk.reflected(bounce, Source::Ambient, self.scene.ambient);
                     add(self.scene, samples, recorder, gain);
                     vertices.push(Vertex::floating(walk, &ray, lobes.len() as u32));
-                    lobes.push(Lobe { kind: Kind::Phase(phase), weight: Rgb::ONE, share: 1.0 });
+                    lobes.push(Lobe::new(Kind::Phase(phase), Rgb::ONE));
                 }
                 continue;
             }
             recorder.follow(&before.along(bounce, ray, hit));
-            let Some(surface) = surface else {
+            let Some(mut surface) = surface else {
                 if bounce == 0 && self.transparent {
                     samples[walk.sample as usize].alpha = 0.0;
                 } else {
@@ -291,12 +294,14 @@ impl<'a> Path<'a> {
             if bounce == 0 {
                 on_surface.push(walk.sample);
             }
+            walk.cone = walk.cone.after(hit.t);
+            surface.seen_width = walk.cone.width;
             let material = self.scene.material(hit);
             let mut vertex = Vertex::new(walk, ray, &surface, lobes.len() as u32);
             vertex.beyond = crossing.map_or(walk.media, |crossing| crossing.beyond);
             let boundary = crossing.and_then(|crossing| crossing.boundary);
             if crossing.is_some() && boundary.is_none() {
-                lobes.push(Lobe { kind: Kind::Straight, weight: Rgb::ONE, share: 1.0 });
+                lobes.push(Lobe::new(Kind::Straight, Rgb::ONE));
             } else {
                 let emitted = self.scene.emitted(material, &surface);
                 if emitted != Rgb::ZERO {
@@ -577,6 +582,7 @@ fn scatter(scene: &Scene, bounce: u32, points: &[PathPoints], scratch: &mut Scra
         walks.push(Walk { throughput, sharp_only, media, ..*walk });
         if let Some(walk) = walks.last_mut().filter(|_| !sample.straight) {
             (walk.pdf, walk.bounce) = (sample.pdf, bounce);
+            walk.cone = walk.cone.scattered(sample.pdf);
             walk.reflections += 1;
             (walk.from, walk.normal) = (start, vertex.bsdf(lobes).horizon());
         }
@@ -629,6 +635,7 @@ impl Walk {
             sharp_only: true,
             media: Media::default(),
             channel: None,
+            cone: Cone::default(),
         }
     }
 
@@ -663,7 +670,7 @@ impl Walk {
         let medium = self.media.medium(scene).filter(|_| self.throughput != Rgb::ZERO)?;
         let flight = medium.fly(length, self.throughput, u);
         self.throughput *= flight.weight;
-        flight.scattered.then(|| (flight.distance, HenyeyGreenstein { g: medium.anisotropy }))
+        flight.scattered.then_some((flight.distance, HenyeyGreenstein { g: medium.anisotropy }))
     }
 
     /// Light of `radiance` that comes along the last ray from what it met.

@@ -13,6 +13,7 @@ use crate::geometry::Analytic;
 use crate::kernels::{ONE_SIDED, PARTLY_THERE};
 use crate::shading::light::environment::Sun;
 use crate::shading::light::{Cone, Light as BuiltLight, RoundLight, Source};
+use crate::shading::texture::Picture;
 use crate::simd::Level;
 use glam::DMat3;
 use std::sync::Arc;
@@ -62,7 +63,8 @@ impl Scene {
             has_panes: description.materials.iter().any(Material::passes_light),
             is_cloudy: description.materials.iter().any(Material::is_cloudy),
             medium: description.medium,
-            images: description.images.clone(),
+            cone: camera.cone(film.samples),
+            pictures: description.images.iter().cloned().map(Picture::new).collect(),
             lights,
             round_lights,
             suns,
@@ -109,17 +111,17 @@ fn near_ambient(light: &LightDescription) -> Option<NearAmbient> {
 
 /// A light without extent; if it has one, but casts no shadows that could tell, its middle.
 fn pointlike(described: &LightDescription, camera: &Camera) -> Option<BuiltLight> {
-    if described.has_extent() { None } else { middle(described, camera) }
+    if described.has_extent() { None } else { light_middle(described, camera) }
 }
 
 /// A sphere that shines in place of a point.
 fn round(described: &LightDescription, camera: &Camera) -> Option<RoundLight> {
     let is_round = described.has_extent() && described.radius > 0.0;
-    RoundLight::new(&middle(described, camera).filter(|_| is_round)?, described.radius)
+    RoundLight::new(&light_middle(described, camera).filter(|_| is_round)?, described.radius)
 }
 
 /// The light as if it had no extent; `None` if it comes from everywhere.
-fn middle(described: &LightDescription, camera: &Camera) -> Option<BuiltLight> {
+pub(crate) fn light_middle(described: &LightDescription, camera: &Camera) -> Option<BuiltLight> {
     let source = match described.light {
         Light::Ambient { .. } => return None,
         Light::Point { position, intensity } => Source::Point { position, intensity },

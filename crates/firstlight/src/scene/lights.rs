@@ -65,7 +65,9 @@ pub(super) fn mean_emission(material: &Material, images: &[Arc<Pixels>]) -> f32 
     let Texture { factor, pattern, .. } = &material.emission;
     let pattern = match pattern {
         Pattern::Constant => Vec4::ONE,
-        Pattern::Checker { colors: [a, b], .. } => {
+        Pattern::Checker { colors: [a, b], .. }
+        | Pattern::Gradient { colors: [a, b], .. }
+        | Pattern::Noise { colors: [a, b], .. } => {
             0.5 * (Vec4::from_array(*a) + Vec4::from_array(*b))
         }
         Pattern::Image { image, .. } => mean(&images[*image]),

@@ -12,6 +12,7 @@ mod material;
 mod studio;
 mod values;
 
+pub(crate) use build::light_middle;
 pub(crate) use filter::{Everything, Meets, OnlyPanes, SeenByCamera, StopsLight};
 pub use framing::{bounds, frame};
 pub(crate) use lights::{LocalLight, LocalLights};
@@ -21,14 +22,13 @@ pub use studio::Studio;
 use crate::bvh::World;
 use crate::camera::Camera;
 use crate::color::Rgb;
+use crate::geometry::Cone;
 use crate::shading::light::area::AreaLights;
 use crate::shading::light::environment::{Environment, Sun};
 use crate::shading::light::{Light, RoundLight};
+use crate::shading::texture::Picture;
 use crate::simd::Level;
-use description::{
-    FilmDescription, Integrator, LuminousEfficacy, Material, Medium, Pixels, Shadows,
-};
-use std::sync::Arc;
+use description::{FilmDescription, Integrator, LuminousEfficacy, Material, Medium, Shadows};
 
 /// A scene ready to be traced. Made by [`Scene::build`]; nothing about it can fail from then on.
 #[derive(Debug)]
@@ -43,7 +43,9 @@ pub struct Scene {
     pub(crate) is_cloudy: bool,
     /// What is everywhere where no solid is.
     pub(crate) medium: Option<Medium>,
-    pub(crate) images: Vec<Arc<Pixels>>,
+    pub(crate) pictures: Vec<Picture>,
+    /// What a ray from the camera stands for.
+    pub(crate) cone: Cone,
     /// All lights that come from one direction, in the file's order.
     pub(crate) lights: Vec<Light>,
     /// Spheres that shine in place of points.

@@ -16,12 +16,16 @@ mod furnace;
 mod geometry;
 mod global_illumination;
 mod image;
+mod material;
+mod microfacet;
 mod readings;
+mod refraction;
 mod sampling;
 pub mod scenes;
 pub mod shapes;
 mod statistics;
 mod volume;
+pub mod white;
 
 pub use geometry::{differing, escaped, reintersections, terminator};
 pub use readings::{Reading, Readings};
@@ -67,6 +71,9 @@ pub const GROUPS: &[Group] = &[
     ("volume", volume::CASES),
     ("cie171", cie171::CASES),
     ("geometry", geometry::CASES),
+    ("material", material::CASES),
+    ("microfacet", microfacet::CASES),
+    ("refraction", refraction::CASES),
     ("camera", camera::CASES),
     ("image", image::CASES),
     ("sampling", sampling::CASES),

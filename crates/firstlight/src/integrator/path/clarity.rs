@@ -179,7 +179,8 @@ impl<'a> Clarity<'a> {
         }
         let apart = b.position - a.position;
         let off = apart.dot(a.normal).abs().min(apart.dot(b.normal).abs());
-        let size = self.path.scene.camera().footprint(a.distance.min(b.distance));
+        let pixel = self.path.scene.camera().cone(1);
+        let size = pixel.after(a.distance.min(b.distance)).width;
         a.normal.dot(b.normal) < BEND || off > BEHIND * size
     }
 
@@ -219,7 +220,7 @@ impl<'a> Clarity<'a> {
             let shown = paper * (EDGE_ON + (1.0 - EDGE_ON) * facing) * color;
             add(scene, samples, recorder, walk.reflected(0, Source::Look, ALWAYS * shown));
             let mut vertex = Vertex::new(*walk, ray, &at, lobes.len() as u32);
-            lobes.push(Lobe { kind: Kind::Lambert, weight: shown, share: 1.0 });
+            lobes.push(Lobe::new(Kind::Lambert, shown));
             vertex.lobes.end += 1;
             vertices.push(vertex);
         }

@@ -52,6 +52,7 @@ pub(super) struct Document {
 #[derive(Debug, Default, Deserialize)]
 struct Asset {
     version: Option<String>,
+    generator: Option<String>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -264,7 +265,7 @@ extension! { Clearcoat {
     clearcoat_texture: TextureInfo,
     clearcoat_roughness_factor: Real,
     clearcoat_roughness_texture: TextureInfo,
-    clearcoat_normal_texture: IgnoredAny,
+    clearcoat_normal_texture: TextureInfo,
 } }
 extension! { DiffuseTransmission {
     diffuse_transmission_factor: Real,
@@ -317,7 +318,7 @@ pub(super) struct SpecularGlossiness {
     pub(super) diffuse_texture: Option<TextureInfo>,
     pub(super) specular_factor: Option<[Real; 3]>,
     pub(super) glossiness_factor: Option<Real>,
-    pub(super) specular_glossiness_texture: Option<IgnoredAny>,
+    pub(super) specular_glossiness_texture: Option<TextureInfo>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -523,6 +524,13 @@ fn check_density(json: &[u8], name: &str) -> Result<()> {
 struct AssetOnly {
     #[serde(default)]
     asset: Asset,
+}
+
+impl Document {
+    /// The program that wrote the file, as it calls itself.
+    pub(super) fn generator(&self) -> &str {
+        self.asset.generator.as_deref().unwrap_or_default()
+    }
 }
 
 impl Asset {

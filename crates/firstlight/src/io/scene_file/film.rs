@@ -27,7 +27,8 @@ pub(super) struct FilmKeys {
     samples: Whole<MOST_SAMPLES>,
     /// The reconstruction filter, by name or with settings. Default "gaussian".
     filter: FilterKeys,
-    /// Stops: display = radiance × 2^exposure; 0 makes radiance 1 white. Or "auto". Default 0.
+    /// Stops: display = radiance × 2^exposure; 0 makes radiance 1 white. Or "auto", or a camera's settings such as
+    /// "1/125 f/8 ISO 100". Default 0.
     exposure: ExposureKeys,
     /// How bright light is brought into what screens show. Default "srgb": as it is, cut off at white.
     view: ViewKeys,
@@ -121,7 +122,8 @@ schema!(Resolution: {
 struct ExposureKeys(Exposure);
 
 impl Written for ExposureKeys {
-    const EXPECTED: &'static str = "a number of stops or \"auto\"";
+    const EXPECTED: &'static str =
+        "a number of stops, \"auto\" or a camera's settings such as \"1/125 f/8 ISO 100\"";
     fn from_number(stops: f64) -> Checked<Self> {
         if stops.abs() > MOST_STOPS {
             return Err(format!("must be between -{MOST_STOPS} and {MOST_STOPS}, not {stops}"));
@@ -131,7 +133,10 @@ impl Written for ExposureKeys {
     fn from_text(text: &str) -> Checked<Self> {
         match text {
             "auto" => Ok(Self(Exposure::Auto)),
-            _ => Err(format!("needs {}, not {}", Self::EXPECTED, quoted(text))),
+            _ => match text.parse() {
+                Ok(settings) => Ok(Self(Exposure::Camera(settings))),
+                Err(_) => Err(format!("needs {}, not {}", Self::EXPECTED, quoted(text))),
+            },
         }
     }
 }
@@ -153,7 +158,7 @@ impl Written for ViewKeys {
 
 written! {
     ViewKeys: { "enum": View::NAMES.iter().map(|(name, _)| *name).collect::<Vec<_>>() }
-    ExposureKeys: { "anyOf": [{ "type": "number", "minimum": -100, "maximum": 100 }, { "const": "auto" }] }
+    ExposureKeys: { "anyOf": [{ "type": "number", "minimum": -100, "maximum": 100 }, { "const": "auto" }, { "type": "string", "examples": ["1/125 f/8 ISO 100"] }] }
 }
 
 /// A filter by name, or a table with exactly one filter and its settings.

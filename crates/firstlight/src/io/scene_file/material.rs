@@ -12,7 +12,7 @@ use crate::scene::description::{
     Alpha, ComplexIndex, Facets, Interior, Material, Medium, NormalMap, Principled, Scalar,
     Scattering, Texture,
 };
-use crate::units::written::{Angle, Number, Size};
+use crate::units::written::{Angle, Length, Number, Size};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -60,6 +60,10 @@ macro_rules! material_keys {
             normal_map: Option<TextureKeys<Reflectance>>,
             /// How much they bend. Default 1.
             normal_scale: Option<Number>,
+            /// Heights, 0 to 1, that raise the surface for the eye: a picture or a pattern.
+            bump: Option<TextureKeys<Fraction>>,
+            /// What a height of 1 is; below 0 hills are valleys. Default "1 mm".
+            bump_height: Option<Length>,
         }
 
         impl $name {
@@ -86,6 +90,7 @@ macro_rules! material_keys {
                     reflectance,
                     scattering,
                     normal: normal_map.transpose()?.map(|texture| NormalMap { texture, scale }),
+                    bump: pictures.bump(self.bump, self.bump_height)?,
                     emission: pictures.texture(self.emission, Rgb::ZERO)?,
                     alpha,
                     double_sided: self.double_sided.unwrap_or(true),
@@ -212,6 +217,8 @@ PrincipledKeys {
     clearcoat: Option<TextureKeys<Fraction>>,
     /// Roughness of the varnish. Default 0.
     clearcoat_roughness: Option<TextureKeys<Fraction>>,
+    /// A picture of normals for the varnish, as `normal_map`. Default: smooth, whatever is below it.
+    clearcoat_normal_map: Option<TextureKeys<Reflectance>>,
     /// Colour of the rim of cloth. Default 0.
     sheen_color: Option<TextureKeys<Reflectance>>,
     /// Roughness of the rim of cloth. Default 0.3.
@@ -355,6 +362,9 @@ impl PrincipledKeys {
     }
 
     fn parameters(&mut self, Index(ior): Index, pictures: &mut Pictures<'_>) -> Result<Principled> {
+        let coat_normal = self.clearcoat_normal_map.take();
+        let coat_normal = coat_normal.map(|keys| pictures.texture(Some(keys), Rgb::ONE));
+        let coat_normal = coat_normal.transpose()?.map(|texture| NormalMap { texture, scale: 1.0 });
         let mut number = |keys: &mut Option<TextureKeys<Fraction>>,
                           default: f32|
          -> Result<Scalar> { pictures.scalar(keys.take(), default) };
@@ -377,6 +387,7 @@ impl PrincipledKeys {
             iridescence: number(&mut self.iridescence, 0.0)?,
             iridescence_ior,
             iridescence_thickness: Scalar::constant(1.0),
+            clearcoat_normal: coat_normal,
             iridescence_thickness_range: [(1e9 * thickness) as f32; 2],
             specular_color: pictures.texture(self.specular_color.take(), Rgb::ONE)?,
             sheen_color: pictures.texture(self.sheen_color.take(), Rgb::ZERO)?,

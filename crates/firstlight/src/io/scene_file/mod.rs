@@ -30,6 +30,7 @@ pub use overrides::Override;
 use self::color::Color;
 use crate::color::Rgb;
 use crate::diagnostic::{Diagnostic, Result};
+use crate::io::gltf::LightUnits;
 use crate::io::model::UpAxis;
 use crate::io::{FileAccess, Warnings};
 use crate::scene::description::{LuminousEfficacy, SceneDescription, Shadows};
@@ -202,6 +203,8 @@ struct ModelKeys {
     material: Option<At<String>>,
     /// Which of its looks is shown, if it is a glTF file with variants.
     variant: Option<At<String>>,
+    /// In which units its lights are, if it is a glTF file. Default: as its generator is known to write them, else "spec".
+    gltf_lights: Option<LightUnits>,
     /// Length of 1 in the file. Default 1 m.
     unit: Option<FileUnit>,
     /// Which axis of the file points up. Default: y for glTF, OBJ and PLY, z for STL.

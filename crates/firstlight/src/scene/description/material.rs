@@ -13,6 +13,7 @@ macro_rules! texture_list {
         let mut list = vec![$($ref)+ material.reflectance, $($ref)+ material.emission];
         list.extend(material.ambient_reflectance.$iter());
         list.extend(material.normal.$iter().map(|normal| $($ref)+ normal.texture));
+        list.extend(material.bump.$iter().map(|bump| $($ref)+ bump.height.texture));
         match $($ref)+ material.scattering {
             Scattering::Matte { roughness } => list.push($($ref)+ roughness.texture),
             Scattering::Mirror { mirrored } => list.push(mirrored),
@@ -40,6 +41,7 @@ macro_rules! texture_list {
                     $($ref)+ p.iridescence_thickness.texture,
                 ]);
                 list.extend(p.facets.direction.$iter());
+                list.extend(p.clearcoat_normal.$iter().map(|map| $($ref)+ map.texture));
             }
             Scattering::Mix { amount, .. } => list.push($($ref)+ amount.texture),
         }
@@ -62,6 +64,8 @@ pub struct Material {
     pub scattering: Scattering,
     /// What bends the normals of the surface.
     pub normal: Option<NormalMap>,
+    /// What raises the surface, before `normal` bends it further.
+    pub bump: Option<BumpMap>,
     /// What is behind the surface, if it is the boundary of a transparent solid.
     pub interior: Option<Interior>,
     /// Radiance added to what leaves the surface, W·sr⁻¹·m⁻².
@@ -85,6 +89,7 @@ impl Material {
             ambient_reflectance: None,
             scattering: Scattering::Matte { roughness: Scalar::constant(0.0) },
             normal: None,
+            bump: None,
             interior: None,
             emission: Texture::constant(Rgb::ZERO),
             emits_behind: true,
@@ -209,6 +214,24 @@ pub struct NormalMap {
     pub scale: f32,
 }
 
+/// Heights in a picture, for light to fall as if the surface had relief (Blinn, *Simulation of Wrinkled Surfaces*, 1978).
+#[derive(Debug, Clone, PartialEq)]
+pub struct BumpMap {
+    /// The height, 0..1.
+    pub height: Scalar,
+    /// What a height of 1 is.
+    pub amount: BumpAmount,
+}
+
+/// How high a bump map is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum BumpAmount {
+    /// So many metres; below 0: hills are valleys.
+    Metres(f32),
+    /// So many times what is from 0 to 1 of the texture coordinates.
+    Relative(f32),
+}
+
 /// How the small facets of a rough surface lean.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Facets {
@@ -291,6 +314,8 @@ pub struct Principled {
     pub diffuse_transmission_color: Texture,
     pub clearcoat: Scalar,
     pub clearcoat_roughness: Scalar,
+    /// `None`: the surface's own, not that of its normal map.
+    pub clearcoat_normal: Option<NormalMap>,
     pub sheen_color: Texture,
     pub sheen_roughness: Scalar,
     pub iridescence: Scalar,
@@ -316,6 +341,7 @@ impl Default for Principled {
             diffuse_transmission_color: Texture::constant(Rgb::ONE),
             clearcoat: zero.clone(),
             clearcoat_roughness: zero.clone(),
+            clearcoat_normal: None,
             sheen_color: Texture::constant(Rgb::ZERO),
             sheen_roughness: zero.clone(),
             iridescence: zero,
@@ -333,19 +359,26 @@ pub struct Scalar {
     pub texture: Texture,
     /// 0 to 3: red, green, blue, alpha.
     pub channel: usize,
+    /// Whether it is 1 minus that.
+    pub complement: bool,
 }
 
 impl Scalar {
     /// The same number everywhere.
     pub fn constant(value: f32) -> Self {
         let texture = Texture { factor: [value; 4], ..Texture::constant(Rgb::ONE) };
-        Self { texture, channel: 0 }
+        Self { texture, channel: 0, complement: false }
+    }
+
+    /// What the number in the texture stands for.
+    pub fn meant(&self, number: f32) -> f32 {
+        if self.complement { 1.0 - number } else { number }
     }
 
     /// Whether it is this number everywhere.
     pub fn is(&self, value: f32) -> bool {
         let factor = self.texture.factor[self.channel];
-        (self.texture.is_constant() || factor == 0.0) && factor == value
+        (self.texture.is_constant() || factor == 0.0) && self.meant(factor) == value
     }
 }
 
@@ -424,6 +457,24 @@ pub enum Pattern {
         colors: [[f32; 4]; 2],
         /// Side of a square in texture coordinates, along u and v (metres on a plane, quad parameters 0..1).
         size: Vec2,
+    },
+    /// From one colour to another along a line, and the same beyond its ends.
+    Gradient {
+        /// The two colours, linear RGBA.
+        colors: [[f32; 4]; 2],
+        /// Texture coordinates of the first.
+        from: Vec2,
+        /// Texture coordinates of the second; not those of the first.
+        to: Vec2,
+    },
+    /// Clouds between two colours.
+    Noise {
+        /// The two colours, linear RGBA.
+        colors: [[f32; 4]; 2],
+        /// Size of the largest clouds in texture coordinates, along u and v.
+        size: Vec2,
+        /// How many sizes of clouds there are, each half of the one before.
+        octaves: u32,
     },
 }
 

@@ -18,8 +18,8 @@ mod view;
 pub use environment::{EnvironmentDescription, Sky};
 pub use light::{CameraLightAmount, Light, LightDescription, SpotFalloff};
 pub use material::{
-    Alpha, ComplexIndex, Facets, Interior, Material, NormalMap, Pattern, Pixels, Principled,
-    Sampling, Scalar, Scattering, Texels, Texture, UvTransform, Wrap,
+    Alpha, BumpAmount, BumpMap, ComplexIndex, Facets, Interior, Material, NormalMap, Pattern,
+    Pixels, Principled, Sampling, Scalar, Scattering, Texels, Texture, UvTransform, Wrap,
 };
 pub use medium::Medium;
 pub use mesh::Mesh;
@@ -27,7 +27,8 @@ pub use photometry::{Goniometer, PhotometricWeb};
 pub use place::Part;
 pub use shape::{Block, Cone, Cylinder, Disk, Plane, Quad, Shape, Sphere, Surface};
 pub use view::{
-    CameraDescription, Exposure, FilmDescription, Filter, Integrator, Projection, Section, Shadows,
+    CameraDescription, CameraSettings, Exposure, FilmDescription, Filter, Integrator, Projection,
+    Section, Shadows,
 };
 
 use crate::color::Rgb;
