@@ -253,7 +253,7 @@ impl<'a> Render<'a> {
     }
 
     fn run<K: Keeper>(&self) -> (Rendered, Vec<K>) {
-        let mut film = self.empty_film();
+        let mut film = self.empty_film::<K>();
         let mut keepers: Vec<K> =
             film.tiles_mut().iter().map(|tile| K::of(self.scene, tile)).collect();
         let [first, end] = self.samples;
@@ -286,24 +286,26 @@ impl<'a> Render<'a> {
         (rendered, keepers)
     }
 
-    fn empty_film(&self) -> Film {
-        let new = if self.options.endless { Film::in_halves } else { Film::new };
+    fn empty_film<K: Keeper>(&self) -> Film {
+        let new = if self.options.endless && K::AIMS { Film::in_halves } else { Film::new };
         new(self.origin, self.size)
     }
 
-    /// Takes samples of every pixel: these, or as many as each tile is to have by then in one of the halves, which take
-    /// turns.
+    /// Takes samples of every pixel: these, or, without end, as many as each tile is to have by then in one of the halves,
+    /// which take turns.
     fn pass<K: Keeper>(&self, film: &mut Film, keepers: &mut [K], samples: Range<u32>) {
-        let half =
-            if (samples.start / PASS).is_multiple_of(2) { Half::First } else { Half::Second };
-        let half = Some(half).filter(|_| self.options.endless);
-        let round = samples.start / (2 * PASS) + 1;
-        let passes = half.map(|half| film.passes((self.judge)(half), round));
+        let (number, mut even, mut half) = (samples.start / PASS, samples, None);
+        if self.options.endless {
+            half = Some(if number.is_multiple_of(2) { Half::First } else { Half::Second });
+            even = number / 2 * PASS..(number / 2 + 1) * PASS;
+        }
+        let aiming = half.filter(|_| film.is_in_halves());
+        let passes = aiming.map(|half| film.passes((self.judge)(half), number / 2 + 1));
         let tiles = film.tiles_mut().par_iter_mut().zip(keepers).enumerate();
         tiles.for_each_init(Worker::default, |worker, (i, (tile, keeper))| {
-            let samples = match (half, &passes) {
+            let samples = match (aiming, &passes) {
                 (Some(half), Some(passes)) => tile.next_samples(half, passes[i], PASS, HALF),
-                _ => samples.clone(),
+                _ => even.clone(),
             };
             self.fill(worker, tile, keeper, samples, half);
         });
@@ -328,7 +330,6 @@ impl<'a> Render<'a> {
             taken += pixels * samples.len() as u64;
             keeper.take(TilePass { render: self, tile, samples, half, worker, recorder: &mut () });
         }
-        self.report(worker, taken);
         self.report(worker, taken);
     }
 
@@ -412,12 +413,17 @@ trait Keeper: Send {
     /// For a tile that has no samples yet.
     fn of(scene: &Scene, tile: &Tile) -> Self;
 
+    /// Whether samples may go where the noise is. What is kept is one mean of all samples, which has to be the picture's.
+    const AIMS: bool;
+
     /// Takes the samples.
     fn take(&mut self, pass: TilePass<'_, '_, ()>);
 }
 
 /// Keeps nothing.
 impl Keeper for () {
+    const AIMS: bool = true;
+
     fn of(_: &Scene, _: &Tile) {}
 
     fn take(&mut self, pass: TilePass<'_, '_, ()>) {
@@ -426,6 +432,8 @@ impl Keeper for () {
 }
 
 impl Keeper for LightTile {
+    const AIMS: bool = false;
+
     fn of(scene: &Scene, tile: &Tile) -> Self {
         Self::new(scene, tile.pixels.len())
     }
@@ -512,7 +520,7 @@ impl<R: Recorder> TilePass<'_, '_, R> {
         let clamped = |(sample, weight): (&Sample, &f32)| f64::from(sample.clamped * weight);
         tile.clamped += samples.iter().zip(&*weights).map(clamped).sum::<f64>();
         tile.samples += count as u32;
-        if let Some(half) = half {
+        if let Some(half) = half.filter(|_| tile.is_in_halves()) {
             for (samples, pixels) in samples.chunks(count).zip(pixels.chunks(count)) {
                 let luminances = samples.iter().map(|sample| f64::from(luminance(sample.radiance)));
                 let square = tile.square(pixels[0].0);

@@ -168,6 +168,11 @@ impl Film {
         film
     }
 
+    /// Whether its halves are kept apart.
+    pub(crate) fn is_in_halves(&self) -> bool {
+        self.tiles.first().is_some_and(Tile::is_in_halves)
+    }
+
     /// The tiles, to be filled.
     pub(crate) fn tiles_mut(&mut self) -> &mut [Tile] {
         &mut self.tiles
@@ -321,6 +326,11 @@ impl Tile {
             .flat_map(|y| starts(size[0]).map(move |x| (x, y)))
             .map(|(x, y)| tile(x, y))
             .collect()
+    }
+
+    /// Whether its halves are kept apart.
+    pub(crate) fn is_in_halves(&self) -> bool {
+        !self.second.is_empty()
     }
 
     /// Adds a sample to a pixel; see [`Pixel::add`].

@@ -7,6 +7,8 @@
 
 mod clarity;
 mod occlusion;
+#[cfg(test)]
+mod tests;
 
 pub(crate) use clarity::Clarity;
 pub(crate) use occlusion::Occlusion;
@@ -48,6 +50,34 @@ pub(crate) struct Path<'a> {
     transparent: bool,
     /// Reflections at most.
     bounces: u32,
+    /// How much each way of finding lights counts.
+    techniques: Techniques,
+}
+
+/// The samples that count for each of two ways to find a light: those that ask lights, and those of the BSDF that meet
+/// them. One each in pictures; with any others, the mean stays the same (Veach 1997 §9.2).
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Techniques {
+    lights: f32,
+    bsdf: f32,
+}
+
+impl Techniques {
+    /// What to divide light by that was asked for in a direction that lights pick with one density and the BSDF with
+    /// another.
+    #[inline(always)]
+    fn asked(self, lights: f32, bsdf: f32) -> f32 {
+        (self.lights * lights + self.bsdf * bsdf) / self.lights
+    }
+
+    /// The weight of light that was met in such a direction. What lights never pick is the BSDF's alone.
+    #[inline(always)]
+    fn met(self, lights: f32, bsdf: f32) -> f32 {
+        if lights == 0.0 || bsdf.is_infinite() {
+            return 1.0;
+        }
+        1.0 / (1.0 + self.lights * lights / (self.bsdf * bsdf))
+    }
 }
 
 /// Buffers that one worker reuses from batch to batch.
@@ -127,7 +157,8 @@ struct Answer {
 impl<'a> Path<'a> {
     /// Follows paths in `scene` over at most so many reflections.
     pub(crate) fn new(scene: &'a Scene, transparent: bool, bounces: Option<u32>) -> Self {
-        Self { scene, transparent, bounces: bounces.unwrap_or(u32::MAX) }
+        let techniques = Techniques { lights: 1.0, bsdf: 1.0 };
+        Self { scene, transparent, bounces: bounces.unwrap_or(u32::MAX), techniques }
     }
 
     /// Radiance along each of `rays`, one sample each by its `points`, into `scratch.samples`.
@@ -286,7 +317,7 @@ impl<'a> Path<'a> {
                 let (frame, scattered) =
                     self.scene.add_lobes(material, &surface, vertex.outgoing, boundary, lobes);
                 vertex.frame = frame;
-                if self.scene.ambient != Rgb::ZERO {
+                if self.scene.ambient != Rgb::ZERO && !on {
                     let reflected = self.scene.ambient_reflectance(material, &surface);
                     let reflected = reflected.unwrap_or(scattered);
                     let gain =
@@ -310,16 +341,16 @@ impl<'a> Path<'a> {
         ray: &Ray,
     ) -> impl Iterator<Item = (Source, Rgb)> {
         let Scene { suns, sun_numbers, environment, background, .. } = self.scene;
-        let (pdf, direction) = (walk.pdf, ray.direction);
+        let (pdf, direction, techniques) = (walk.pdf, ray.direction, self.techniques);
         let sky = match environment {
             Some((environment, visible)) if *visible || bounce > 0 => {
-                let weight = balance(pdf, environment.pdf(direction));
+                let weight = techniques.met(environment.pdf(direction), pdf);
                 Some((Source::Environment, environment.radiance(direction) * weight))
             }
             _ => walk.sharp_only.then_some((Source::Background, *background)),
         };
         let suns = suns.iter().zip(sun_numbers).map(move |(sun, number)| {
-            let weight = balance(pdf, sun.pdf(direction));
+            let weight = techniques.met(sun.pdf(direction), pdf);
             (Source::Light(*number), sun.radiance(direction) * weight)
         });
         sky.into_iter().chain(suns)
@@ -337,7 +368,7 @@ impl<'a> Path<'a> {
             true => 1.0,
             false => self.scene.local_lights.probability(walk.from, walk.normal, number),
         };
-        balance(walk.pdf, chance * pdf as f32)
+        self.techniques.met(chance * pdf as f32, walk.pdf)
     }
 
     /// Whether all local lights are asked at this reflection, or one of them.
@@ -374,7 +405,7 @@ impl<'a> Path<'a> {
             for (number, light) in (0..).zip(self.scene.area_lights.iter()) {
                 let place = pairs.light(self.scene.round_lights.len() as u32 + number);
                 self.ask(bounce, scratch, recorder, |vertex, lobes| {
-                    vertex.light_from_area(lobes, self.scene, light, 1.0, pair(vertex, place))
+                    self.light_from_area(vertex, lobes, light, 1.0, pair(vertex, place))
                 });
             }
         } else {
@@ -388,7 +419,7 @@ impl<'a> Path<'a> {
         {
             self.ask(bounce, scratch, recorder, |vertex, lobes| {
                 let sample = sun.sample(pair(vertex, pairs.sun(place)));
-                vertex.light_from_afar(lobes, Source::Light(*number), sample)
+                self.light_from_afar(vertex, lobes, Source::Light(*number), sample)
             });
         }
         for ambient in &self.scene.near_ambient {
@@ -403,7 +434,7 @@ impl<'a> Path<'a> {
         if let Some((environment, _)) = &self.scene.environment {
             self.ask(bounce, scratch, recorder, |vertex, lobes| {
                 let sample = environment.sample(pair(vertex, pairs.environment()))?;
-                vertex.light_from_afar(lobes, Source::Environment, sample)
+                self.light_from_afar(vertex, lobes, Source::Environment, sample)
             });
         }
     }
@@ -426,7 +457,7 @@ impl<'a> Path<'a> {
                 self.light_from_round(vertex, lobes, place, chance, u)
             }
             (LocalLight::Area(number), chance) => {
-                vertex.light_from_area(lobes, scene, scene.area_lights.get(number), chance, u)
+                self.light_from_area(vertex, lobes, scene.area_lights.get(number), chance, u)
             }
         }
     }
@@ -460,6 +491,47 @@ impl<'a> Path<'a> {
         let source = Source::Light(self.scene.round_numbers[place as usize]);
         let sample = light.sample(vertex.position.as_dvec3(), u.as_dvec2())?;
         vertex.light_from(lobes, source, sample, true, chance)
+    }
+
+    /// From a surface that emits and had this chance of being asked.
+    #[inline(always)]
+    fn light_from_area(
+        &self,
+        vertex: &Vertex,
+        lobes: &[Lobe],
+        light: &AreaLight,
+        chance: f32,
+        u: Vec2,
+    ) -> Option<Answer> {
+        let sample = light.sample(vertex.starts[0].as_dvec3(), u.as_dvec2())?;
+        let incoming = sample.incoming.as_vec3();
+        let (scattered, pdf, start) = vertex.scattered(lobes, incoming)?;
+        let irradiance = self.scene.emitted_by(light, &sample)
+            / self.techniques.asked(chance * sample.pdf as f32, pdf);
+        let ray = Some(sample.shadow_ray(start, 0.0, light.error));
+        Some(Answer {
+            source: Source::Surface(light.surface),
+            ray,
+            incoming,
+            scattered,
+            irradiance,
+        })
+    }
+
+    /// From behind everything.
+    #[inline(always)]
+    fn light_from_afar(
+        &self,
+        vertex: &Vertex,
+        lobes: &[Lobe],
+        source: Source,
+        sample: EnvironmentSample,
+    ) -> Option<Answer> {
+        let incoming = sample.incoming;
+        let (scattered, pdf, start) = vertex.scattered(lobes, incoming)?;
+        let irradiance = sample.radiance / self.techniques.asked(sample.pdf, pdf);
+        let ray = Some(Ray::new(start, incoming));
+        Some(Answer { source, ray, incoming, scattered, irradiance })
     }
 
     /// Asks a light at every vertex, and adds what it gives where nothing is in the way.
@@ -529,12 +601,6 @@ fn survival(bounce: u32, sharp_only: bool, throughput: Rgb) -> f32 {
         SAFE_BOUNCES..MANY_BOUNCES => (left / little).min(1.0),
         _ => (left / little).min(0.99),
     }
-}
-
-/// Weight of a direction that one technique picked with density `own`, where another would have with density `other`.
-#[inline(always)]
-fn balance(own: f32, other: f32) -> f32 {
-    1.0 / (1.0 + other / own)
 }
 
 impl Scratch {
@@ -654,8 +720,9 @@ impl Vertex {
     /// At the end of `ray`, between the particles of a medium, with one lobe.
     fn floating(walk: Walk, ray: &Ray, lobe: u32) -> Self {
         let position = ray.origin + ray.t_max * ray.direction;
-        let frame = Frame::around(-ray.direction);
-        let (starts, outgoing, beyond) = ([position; 2], -ray.direction, walk.media);
+        // No surface straightens out what rounding adds up over hundreds of scatterings.
+        let outgoing = -ray.direction.normalize();
+        let (starts, frame, beyond) = ([position; 2], Frame::around(outgoing), walk.media);
         Self { walk, position, starts, frame, outgoing, lobes: lobe..lobe + 1, beyond }
     }
 
@@ -697,30 +764,6 @@ impl Vertex {
         Some(Answer { source, ray, incoming, scattered, irradiance })
     }
 
-    /// From a surface that emits and had this chance of being asked.
-    #[inline(always)]
-    fn light_from_area(
-        &self,
-        lobes: &[Lobe],
-        scene: &Scene,
-        light: &AreaLight,
-        chance: f32,
-        u: Vec2,
-    ) -> Option<Answer> {
-        let sample = light.sample(self.starts[0].as_dvec3(), u.as_dvec2())?;
-        let incoming = sample.incoming.as_vec3();
-        let (scattered, pdf, start) = self.scattered(lobes, incoming)?;
-        let irradiance = scene.emitted_by(light, &sample) / (chance * sample.pdf as f32 + pdf);
-        let ray = Some(sample.shadow_ray(start, 0.0, light.error));
-        Some(Answer {
-            source: Source::Surface(light.surface),
-            ray,
-            incoming,
-            scattered,
-            irradiance,
-        })
-    }
-
     /// From a sky of radiance 1 that surfaces nearer than `reach` hide, in a direction that the BSDF picks.
     #[inline(always)]
     fn light_from_sky(
@@ -736,21 +779,6 @@ impl Vertex {
         let start = self.starts[usize::from(sample.through)];
         let ray = Some(Ray { t_max: reach, ..Ray::new(start, incoming) });
         Some(Answer { source, ray, incoming, scattered, irradiance: Rgb::ONE })
-    }
-
-    /// From behind everything.
-    #[inline(always)]
-    fn light_from_afar(
-        &self,
-        lobes: &[Lobe],
-        source: Source,
-        sample: EnvironmentSample,
-    ) -> Option<Answer> {
-        let incoming = sample.incoming;
-        let (scattered, pdf, start) = self.scattered(lobes, incoming)?;
-        let irradiance = sample.radiance / (sample.pdf + pdf);
-        let ray = Some(Ray::new(start, incoming));
-        Some(Answer { source, ray, incoming, scattered, irradiance })
     }
 }
 

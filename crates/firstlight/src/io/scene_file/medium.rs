@@ -93,8 +93,12 @@ impl MediumKeys {
 /// Words about media that will not do what one may expect of them.
 pub(super) fn doubts(scene: &SceneDescription, name: &str) -> Option<Diagnostic> {
     let cloudy = scene.medium.is_some() || scene.materials.iter().any(Material::is_cloudy);
-    if cloudy && matches!(scene.integrator, Integrator::AmbientOcclusion { .. }) {
-        let message = "ambient occlusion looks at surfaces alone: media are left out";
+    let blind = matches!(
+        scene.integrator,
+        Integrator::AmbientOcclusion { .. } | Integrator::Clarity { .. }
+    );
+    if cloudy && blind {
+        let message = "this integrator looks at surfaces alone: media are left out";
         return Some(Diagnostic::new(name, message).help("write integrator = \"path\""));
     }
     let medium = scene.medium?;

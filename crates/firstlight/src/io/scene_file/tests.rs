@@ -2,7 +2,7 @@ use super::*;
 use crate::color::luminance;
 use crate::scene::description::{
     Alpha, BumpAmount, CameraLightAmount, ComplexIndex, Exposure, Filter, Integrator, Light,
-    LightDescription, Pattern, Projection, Sampling, Scalar, Scattering, Shape, Sky, Wrap,
+    LightDescription, Medium, Pattern, Projection, Sampling, Scalar, Scattering, Shape, Sky, Wrap,
 };
 use glam::{DVec3, Vec2};
 use std::f64::consts::PI;
@@ -41,7 +41,7 @@ fn the_examples_of_the_reference_are_scenes() {
     let reference = std::fs::read_to_string(folder.join("docs/scene-format.md")).unwrap();
     let examples: Vec<&str> =
         reference.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
-    assert_eq!(examples.len(), 12);
+    assert_eq!(examples.len(), 13);
     for example in &examples {
         let document =
             Document { name: "example", text: example, overrides: &[], generated: false };
@@ -674,6 +674,56 @@ fn every_kind_of_material_is_described() {
     assert!((soap.iridescence_thickness_range[1] - 300.0).abs() < 1e-3);
     assert!(find("soap").interior.is_some() && find("car").interior.is_none());
     assert!(find("window").is_pane() && !find("soap").is_pane());
+}
+
+#[test]
+fn media_are_written_in_two_ways() {
+    let scene = scene(
+        "integrator = 'path'
+        [medium]
+        extinction = [2, 4, 8]
+        albedo = 0.5
+        anisotropy = 0.3
+        [materials]
+        smoke.medium = { sigma_a = 2, scattering = [3, 3, 4], g = -0.5 }
+        milk.dielectric = { index = 'water', attenuation_color = 0.5, medium = { density = 900, albedo = 1 } }",
+    );
+    let halves = Rgb::new(1.0, 2.0, 4.0);
+    let fog = Medium { absorption: halves, scattering: halves, anisotropy: 0.3 };
+    assert_eq!(scene.medium, Some(fog));
+    let smoke = scene.materials[0].interior.expect("it is filled");
+    assert_eq!((smoke.index, smoke.absorption, smoke.anisotropy), (1.0, Rgb::splat(2.0), -0.5));
+    assert_eq!(smoke.scattering, Rgb::new(3.0, 3.0, 4.0));
+    assert!(scene.materials[0].passes_light() && !scene.materials[1].passes_light());
+    let milk = scene.materials[1].interior.expect("it is filled");
+    assert_eq!(milk.scattering, Rgb::splat(900.0));
+    assert!((milk.absorption.x - 2.0_f32.ln()).abs() < 1e-4);
+    for (wrong, words) in [
+        ("medium = { extinction = 1, scattering = 1 }", "medium.extinction says again"),
+        ("medium = { scattering = -1 }", "0 or more"),
+        ("medium = { g = 1 }", "medium.g must be from -0.999 to 0.999"),
+        ("medium = { albedo = 2 }", "from 0 to 1"),
+    ] {
+        let told = complaint(wrong);
+        assert!(told.contains(words), "{told}");
+    }
+}
+
+/// What would come as a surprise is said.
+#[test]
+fn media_that_leave_out_light_are_warned_of() {
+    let warned = |text: &str| {
+        let (access, mut warnings) = (FileAccess::beside(Path::new("scene.toml"), &[]), Vec::new());
+        read(text, "scene.toml", &[], &access, &mut warnings).unwrap();
+        warnings.iter().map(ToString::to_string).collect::<String>()
+    };
+    let fog = "[medium]\nscattering = 0.1\n";
+    let sky = warned(&format!("integrator = 'path'\n{fog}[environment.uniform]\nradiance = 1"));
+    assert!(sky.contains("no light of suns and skies"), "{sky}");
+    let blind = warned(&format!("integrator = 'ambient_occlusion'\n{fog}"));
+    assert!(blind.contains("media are left out"), "{blind}");
+    let none = warned(&format!("integrator = 'path'\n{fog}[lights.a.point]\npower = 1"));
+    assert_eq!(none, "");
 }
 
 #[test]
