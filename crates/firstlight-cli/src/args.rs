@@ -7,10 +7,11 @@ use firstlight::io::scene_file::Override;
 use firstlight::io::{BitDepth, Format, Precision};
 use firstlight::layers::Layer;
 use firstlight::render::Crop;
-use firstlight::scene::description::{Exposure, FilmDescription};
+use firstlight::scene::description::{Exposure, FilmDescription, Section};
 use firstlight::units::{Dimension, Measure, Quantity};
 use firstlight::verify::GROUPS;
-use firstlight::{BuildQuality, Level};
+use firstlight::{BuildQuality, Level, Look};
+use glam::DVec3;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -88,6 +89,14 @@ pub(crate) struct PictureArgs {
     /// How bright light is brought into what screens show [default: srgb, cut off at white]
     #[arg(long, value_name = "srgb|neutral|agx|aces|filmic|raw", value_parser = view)]
     pub view: Option<View>,
+    /// What the picture is for: clarity (shape, CAD), balanced (games), real (every way of light) [default: as the scene
+    /// says]
+    #[arg(long, value_name = "clarity|balanced|real", value_parser = look)]
+    pub look: Option<Look>,
+    /// For --look clarity: cut away what lies before the plane through a point, on the side of its normal
+    #[arg(long, value_name = "X,Y,Z,NX,NY,NZ", value_parser = section, requires = "look")]
+    #[arg(allow_hyphen_values = true)]
+    pub section: Option<Section>,
     /// Make the background transparent
     #[arg(long)]
     pub transparent: bool,
@@ -263,6 +272,7 @@ Examples:
   firstlight render scene.toml -o out.exr --spp 64 -D film.filter=mitchell
   firstlight render chair.glb --azimuth 60 --elevation 15 --ground off --transparent
   firstlight render part.stl --unit mm --key '10 klx' --headlight off
+  firstlight render part.stl --look clarity --section 0,0,0,1,0,0
   firstlight render scene.toml --time 30s
   firstlight render scene.toml --noise 2% --spp 4096
   firstlight render scene.toml -o - --crop 100,80,64,64 > crop.png";
@@ -578,6 +588,21 @@ fn relit(text: &str) -> Parsed<(String, Rgb)> {
         },
     };
     Ok((name.to_owned(), factor))
+}
+
+fn look(text: &str) -> Parsed<Look> {
+    let known = Look::NAMES.iter().find(|(name, _)| *name == text);
+    known.map(|(_, look)| *look).ok_or_else(|| "must be clarity, balanced or real".into())
+}
+
+fn section(text: &str) -> Parsed<Section> {
+    let numbers: Vec<_> = text.split(',').map(|number| number.trim().parse::<f64>()).collect();
+    let [Ok(x), Ok(y), Ok(z), Ok(nx), Ok(ny), Ok(nz)] = numbers[..] else {
+        return Err("needs six numbers: a point and a normal, such as 0,0,0,1,0,0".into());
+    };
+    let (point, normal) = (DVec3::new(x, y, z), DVec3::new(nx, ny, nz).try_normalize());
+    let normal = normal.filter(|_| point.is_finite()).ok_or("needs a normal that is not 0")?;
+    Ok(Section { point, normal })
 }
 
 fn pixel(text: &str) -> Parsed<[u32; 2]> {

@@ -77,7 +77,7 @@ fn quantity(light: &Light) -> (&'static str, Dimension, Rgb) {
             ("directional", Dimension::Irradiance, *irradiance)
         }
         Light::Sun { irradiance, .. } => ("sun", Dimension::Irradiance, *irradiance),
-        Light::Ambient { radiance } => ("ambient", Dimension::Radiance, *radiance),
+        Light::Ambient { radiance, .. } => ("ambient", Dimension::Radiance, *radiance),
         Light::Camera { amount: Intensity(value) } => ("camera", Dimension::Intensity, *value),
         Light::Camera { amount: Irradiance(value) } => ("camera", Dimension::Irradiance, *value),
     }
@@ -294,6 +294,7 @@ fn integrator_text(integrator: Integrator) -> String {
             format!("ambient occlusion within {}", units::format(distance, "m"))
         }
         Integrator::AmbientOcclusion { .. } => "ambient occlusion".into(),
+        Integrator::Clarity { .. } => "clarity".into(),
     }
 }
 

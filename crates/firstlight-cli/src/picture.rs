@@ -3,8 +3,10 @@
 use crate::args::PictureArgs;
 use crate::input::choose_camera;
 use crate::{Outcome, machine, studio};
+use firstlight::io::scene_file::Override;
 use firstlight::io::{FileAccess, Warnings};
-use firstlight::{Level, SceneDescription};
+use firstlight::scene::description::Section;
+use firstlight::{Level, Look, SceneDescription};
 
 impl PictureArgs {
     /// Reads the scene through `access` and lays over it what was asked for.
@@ -18,14 +20,31 @@ impl PictureArgs {
             self.studio.refuse()?;
         }
         let overrides =
-            if is_model { self.studio.overrides(&self.input.scene)? } else { Vec::new() };
+            if is_model { self.studio.overrides(&self.input.scene)? } else { self.look()? };
         let mut scene = self.input.load_with(overrides, access, warnings)?;
         self.set_film(&mut scene);
         choose_camera(&mut scene, self.camera.as_deref())?;
         if is_model {
             studio::dress(&mut scene, self)?;
+            if let Some(look) = self.look {
+                look.apply(&mut scene, self.section);
+                self.set_film(&mut scene);
+            }
         }
         Ok(scene)
+    }
+
+    /// The look that is asked for, laid over that of a scene file.
+    fn look(&self) -> Outcome<Vec<Override>> {
+        let name = |look| Look::NAMES.iter().find(|known| known.1 == look).map(|known| known.0);
+        let look = self.look.and_then(name).map(|name| format!("look={name:?}"));
+        let section = self.section.map(|Section { point: p, normal: n }| {
+            let (point, normal) = (p.to_array(), n.to_array());
+            format!("section={{point={point:?},normal={normal:?}}}")
+        });
+        let parse = |(text, flag): (String, _)| Ok(text.parse::<Override>()?.called(flag));
+        let given = [look.zip(Some("--look")), section.zip(Some("--section"))];
+        given.into_iter().flatten().map(parse).collect()
     }
 
     fn set_film(&self, scene: &mut SceneDescription) {

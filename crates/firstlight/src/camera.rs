@@ -98,6 +98,25 @@ impl Camera {
         }
     }
 
+    /// A ray that leaves the camera near another one: so many pixels further to the right and down.
+    #[inline(always)]
+    pub(crate) fn beside(&self, ray: &Ray, by: Vec2) -> Ray {
+        let shift = by.x * self.pixel_right + by.y * self.pixel_down;
+        match self.lens {
+            Lens::Parallel => Ray { origin: ray.origin + shift, ..*ray },
+            Lens::Pinhole | Lens::Thin { .. } => {
+                let ahead = ray.direction.dot(self.forward).max(f32::MIN_POSITIVE);
+                Ray { direction: (ray.direction / ahead + shift).normalize(), ..*ray }
+            }
+        }
+    }
+
+    /// What one pixel covers at a distance along a ray, m.
+    pub(crate) fn footprint(&self, distance: f32) -> f32 {
+        let size = self.pixel_down.length();
+        if matches!(self.lens, Lens::Parallel) { size } else { size * distance }
+    }
+
     /// Whether rays depend on the point of the lens they go through.
     pub fn has_lens(&self) -> bool {
         matches!(self.lens, Lens::Thin { .. })

@@ -14,7 +14,7 @@ const LAYERS: &[&[&str]] = &[
     &["kernels", "camera", "film"],
     &["bvh", "shading"],
     &["scene"],
-    &["integrator"],
+    &["integrator", "look"],
     &["layers"],
     &["render"],
     &["explain", "verify"],

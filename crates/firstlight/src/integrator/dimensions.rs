@@ -46,6 +46,11 @@ impl Bounce {
         self.0 + 4
     }
 
+    /// Where ambient light may be kept out, and by way of which lobe it is looked for.
+    pub(super) fn ambient(self) -> [u32; 2] {
+        [self.0 + 5, self.0 + 6]
+    }
+
     /// The place on the sun with this number.
     pub(super) fn sun(self, number: u32) -> u32 {
         self.0 + Self::SUNS + number % (Self::LIGHTS - Self::SUNS)

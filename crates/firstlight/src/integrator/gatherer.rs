@@ -2,9 +2,8 @@
 
 use super::RayCounts;
 use super::direct::{self, Direct};
-use super::path::{self, Occlusion, Path};
+use super::path::{self, Clarity, Occlusion, Path};
 use super::record::Recorder;
-use crate::color::Rgb;
 use crate::film::Sample;
 use crate::geometry::Ray;
 use crate::sampler::PathPoints;
@@ -20,6 +19,8 @@ pub(crate) enum Way<'a> {
     Paths(Path<'a>),
     /// What the sky would give.
     Occlusion(Occlusion<'a>),
+    /// What shows shapes best.
+    Clarity(Clarity<'a>),
 }
 
 impl<'a> Way<'a> {
@@ -32,6 +33,9 @@ impl<'a> Way<'a> {
             Integrator::AmbientOcclusion { distance } => {
                 Self::Occlusion(Occlusion::new(scene, transparent, distance))
             }
+            Integrator::Clarity { distance, lines, section } => {
+                Self::Clarity(Clarity::new(scene, transparent, distance, lines, section))
+            }
         }
     }
 }
@@ -41,7 +45,7 @@ impl Way<'_> {
     pub(crate) fn asks_all(&self, bounce: u32) -> bool {
         match self {
             Self::Paths(path) => path.asks_all(bounce),
-            Self::Sum(_) | Self::Occlusion(_) => true,
+            Self::Sum(_) | Self::Occlusion(_) | Self::Clarity(_) => true,
         }
     }
 }
@@ -55,21 +59,27 @@ impl Way<'_> {
         normal: Vec3,
         points: &[PathPoints],
         gatherer: &mut Gatherer,
-    ) -> Rgb {
+    ) -> DVec3 {
         let Gatherer { direct: sums, path: paths } = gatherer;
         match self {
-            Self::Sum(direct) => return direct.irradiance(position, normal, sums),
+            Self::Sum(direct) => return direct.irradiance(position, normal, sums).as_dvec3(),
             Self::Paths(path) => path.irradiance(position, normal, points, paths),
             Self::Occlusion(occlusion) => occlusion.irradiance(position, normal, points, paths),
+            Self::Clarity(clarity) => clarity.irradiance(position, normal, points, paths),
         }
-        let sum: DVec3 = paths.samples.iter().map(|sample| sample.radiance.as_dvec3()).sum();
-        (sum / points.len() as f64).as_vec3()
+        mean_radiance(&paths.samples)
     }
 
     /// π times the fraction of the sky that is not hidden by surfaces nearer than `distance`, m.
     pub(crate) fn to_sky(scene: &Scene, distance: f64) -> Way<'_> {
         Way::Occlusion(Occlusion::new(scene, false, distance))
     }
+}
+
+/// The mean of what samples gathered.
+pub(super) fn mean_radiance(samples: &[Sample]) -> DVec3 {
+    let sum: DVec3 = samples.iter().map(|sample| sample.radiance.as_dvec3()).sum();
+    sum / samples.len() as f64
 }
 
 /// What one worker needs to gather light; its buffers are reused from batch to batch.
@@ -94,6 +104,7 @@ impl Gatherer {
         match Way::of(scene, transparent) {
             Way::Sum(direct) => direct.gather(rays, &mut self.direct, recorder),
             Way::Paths(path) => path.gather(rays, points, &mut self.path, recorder),
+            Way::Clarity(clarity) => clarity.gather(rays, points, &mut self.path, recorder),
             Way::Occlusion(occlusion) => {
                 occlusion.gather(rays, points, &mut self.path, recorder);
             }
@@ -101,12 +112,23 @@ impl Gatherer {
         self.samples(scene)
     }
 
+    /// The same outside of a picture, compiled for every processor and once for all who ask.
+    #[inline(never)]
+    pub(crate) fn gather_alone(
+        &mut self,
+        scene: &Scene,
+        rays: &[Ray],
+        points: &[PathPoints],
+    ) -> &[Sample] {
+        self.gather(scene, false, rays, points, &mut ())
+    }
+
     /// The samples of the last batch in `scene`.
     #[inline(always)]
     pub(crate) fn samples(&self, scene: &Scene) -> &[Sample] {
         match Way::of(scene, false) {
             Way::Sum(_) => &self.direct.samples,
-            Way::Paths(_) | Way::Occlusion(_) => &self.path.samples,
+            _ => &self.path.samples,
         }
     }
 
@@ -122,7 +144,7 @@ impl Gatherer {
     pub(crate) fn seen(&self, scene: &Scene) -> (u64, f32) {
         match Way::of(scene, false) {
             Way::Sum(_) => self.direct.seen(),
-            Way::Paths(_) | Way::Occlusion(_) => self.path.seen(),
+            _ => self.path.seen(),
         }
     }
 }

@@ -5,8 +5,10 @@
 //! balance heuristic; Veach 1997 §9.2), so that nothing is counted twice. Batches of paths go through the stages
 //! together, bounce by bounce; what one path gathers depends on no other.
 
+mod clarity;
 mod occlusion;
 
+pub(crate) use clarity::Clarity;
 pub(crate) use occlusion::Occlusion;
 
 use super::RayCounts;
@@ -366,6 +368,15 @@ impl<'a> Path<'a> {
                 vertex.light_from_afar(lobes, Source::Light(*number), sample)
             });
         }
+        for ambient in &self.scene.near_ambient {
+            self.ask(bounce, scratch, recorder, |vertex, lobes| {
+                let [direction, choice] = pairs.ambient().map(|place| pair(vertex, place));
+                let source = Source::Light(ambient.number);
+                let answer =
+                    vertex.light_from_sky(lobes, source, ambient.reach, choice.x, direction)?;
+                Some(Answer { irradiance: ambient.radiance, ..answer })
+            });
+        }
         if let Some((environment, _)) = &self.scene.environment {
             self.ask(bounce, scratch, recorder, |vertex, lobes| {
                 let sample = environment.sample(pair(vertex, pairs.environment()))?;
@@ -635,6 +646,23 @@ impl Vertex {
             scattered,
             irradiance,
         })
+    }
+
+    /// From a sky of radiance 1 that surfaces nearer than `reach` hide, in a direction that the BSDF picks.
+    #[inline(always)]
+    fn light_from_sky(
+        &self,
+        lobes: &[Lobe],
+        source: Source,
+        reach: f32,
+        choice: f32,
+        u: Vec2,
+    ) -> Option<Answer> {
+        let sample = self.bsdf(lobes).sample(choice, u)?;
+        let (incoming, scattered) = (sample.incoming, sample.weight);
+        let start = self.starts[usize::from(sample.through)];
+        let ray = Some(Ray { t_max: reach, ..Ray::new(start, incoming) });
+        Some(Answer { source, ray, incoming, scattered, irradiance: Rgb::ONE })
     }
 
     /// From behind everything.

@@ -15,6 +15,8 @@ pub(crate) enum Source {
     Ambient,
     /// What lies behind everything and shines on nothing.
     Background,
+    /// No light of the scene: what a look shows it by.
+    Look,
 }
 
 impl Source {
@@ -32,6 +34,7 @@ impl Source {
             Self::Environment => "environment".into(),
             Self::Ambient => ambient(scene),
             Self::Background => "background".into(),
+            Self::Look => "clarity".into(),
         }
     }
 
@@ -51,13 +54,16 @@ impl Source {
             Self::Environment => "environment",
             Self::Ambient => "ambient",
             Self::Background => "background",
+            Self::Look => "look",
         }
     }
 }
 
 /// The name of the only ambient light, or what they are together.
 fn ambient(scene: &SceneDescription) -> String {
-    let is_ambient = |light: &&LightDescription| matches!(light.light, Light::Ambient { .. });
+    let is_ambient = |light: &&LightDescription| {
+        matches!(light.light, Light::Ambient { reach: f64::INFINITY, .. })
+    };
     let mut all = scene.lights.iter().filter(is_ambient);
     match (all.next(), all.next()) {
         (Some(only), None) if !only.name.is_empty() => only.name.clone(),

@@ -111,3 +111,26 @@ fn number(name: &str) -> f32 {
     let exponent = bits >> 23 & 0xff;
     f32::from_bits(if exponent == 0 || exponent == 0xff { bits ^ 1 << 23 } else { bits })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The published value of MurmurHash3 (x86, 32 bit) of "hello" with seed 0.
+    #[test]
+    fn names_have_their_numbers() {
+        assert_eq!(hash("hello"), 0x248b_fa47);
+        assert_eq!(number("hello").to_bits(), 0x248b_fa47);
+        assert!((0..100_000).all(|i| number(&i.to_string()).is_normal()));
+    }
+
+    #[test]
+    fn surfaces_of_one_name_count_together() {
+        let mut coverage = Coverage::default();
+        for (surface, weight) in [(Some(0), 1.0), (None, 2.0), (Some(1), 1.0), (Some(2), 4.0)] {
+            coverage.add(surface, weight);
+        }
+        let ranks = coverage.ranks(|surface| if surface == 2 { 7.0 } else { 5.0 });
+        assert_eq!(ranks, [(7.0, 0.5), (5.0, 0.25)]);
+    }
+}

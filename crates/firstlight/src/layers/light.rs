@@ -2,11 +2,11 @@
 
 use super::crypto::{Coverage, CryptoNames};
 use super::{Channel, Layer};
-use crate::color::luminance;
+use crate::color::{Rgb, luminance};
 use crate::film::{Sample, Tile};
 use crate::integrator::{Gain, Record, Source};
 use crate::scene::Scene;
-use crate::scene::description::SceneDescription;
+use crate::scene::description::{Integrator, SceneDescription};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -131,8 +131,17 @@ fn sources(scene: &Scene) -> Vec<Source> {
         scene.materials[material].emission.factor[..3].iter().any(|channel| *channel > 0.0)
     };
     let surfaces = (0..scene.material_of.len() as u32).filter(emits).map(Source::Surface);
-    let rest = [Source::Environment, Source::Ambient, Source::Background];
-    lights.chain(surfaces).chain(rest).collect()
+    let sky = scene.environment.is_some()
+        || matches!(scene.integrator, Integrator::AmbientOcclusion { .. });
+    let rest = [
+        (Source::Environment, sky),
+        (Source::Ambient, scene.ambient != Rgb::ZERO),
+        (Source::Background, scene.background != Rgb::ZERO),
+        (Source::Look, matches!(scene.integrator, Integrator::Clarity { .. })),
+    ];
+    let ambient = scene.near_ambient.iter().map(|light| Source::Light(light.number));
+    let rest = rest.into_iter().filter(|(_, there)| *there).map(|(source, _)| source);
+    lights.chain(surfaces).chain(ambient).chain(rest).collect()
 }
 
 /// The layers of a picture that are made of its own samples.

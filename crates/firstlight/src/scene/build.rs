@@ -1,11 +1,11 @@
 //! From the description to the scene.
 
-use super::Scene;
 use super::Studio;
 use super::description::{
     Alpha, CameraLightAmount, Light, LightDescription, Material, SceneDescription, Shape, Surface,
 };
 use super::lights::{LocalLights, area_lights, environment, mean_emission};
+use super::{NearAmbient, Scene};
 use crate::bvh::{BuildQuality, MeshPart, Part, World};
 use crate::camera::Camera;
 use crate::color::Rgb;
@@ -37,6 +37,9 @@ impl Scene {
         let studio = Studio { up: description.up.0, ..Studio::default() };
         let view = description.cameras.first().cloned().unwrap_or_else(|| studio.view(description));
         let camera = Camera::new(&view, film.width, film.height);
+        let (near_numbers, near_ambient) = numbered(description, near_ambient);
+        let near_ambient = near_ambient.into_iter().zip(near_numbers);
+        let near_ambient = near_ambient.map(|(light, number)| NearAmbient { number, ..light });
         let ambient = description.lights.iter().filter_map(ambient).sum();
         let world = World::build(parts(description), level, quality);
         let material_of: Vec<_> = description.surfaces.iter().map(|s| s.material as u32).collect();
@@ -67,6 +70,7 @@ impl Scene {
             round_numbers,
             sun_numbers,
             ambient,
+            near_ambient: near_ambient.collect(),
             background: description.background,
             shadows: description.shadows,
             integrator: description.integrator,
@@ -87,7 +91,20 @@ fn numbered<T>(
 }
 
 fn ambient(light: &LightDescription) -> Option<Rgb> {
-    if let Light::Ambient { radiance } = light.light { Some(radiance) } else { None }
+    match light.light {
+        Light::Ambient { radiance, reach: f64::INFINITY } => Some(radiance),
+        _ => None,
+    }
+}
+
+/// Ambient light that near surfaces keep out.
+fn near_ambient(light: &LightDescription) -> Option<NearAmbient> {
+    match light.light {
+        Light::Ambient { radiance, reach } if reach.is_finite() => {
+            Some(NearAmbient { radiance, reach: reach as f32, number: 0 })
+        }
+        _ => None,
+    }
 }
 
 /// A light without extent; if it has one, but casts no shadows that could tell, its middle.

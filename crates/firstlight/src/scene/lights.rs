@@ -2,8 +2,8 @@
 
 use super::Scene;
 use super::description::{
-    Alpha, EnvironmentDescription, LightDescription, Material, Pattern, Pixels, Scattering,
-    SceneDescription, Surface, Texture, Wrap,
+    Alpha, EnvironmentDescription, Material, Pattern, Pixels, Scattering, SceneDescription,
+    Surface, Texture, Wrap,
 };
 use crate::bvh::{MeshPart, Part, World};
 use crate::color::Rgb;
@@ -171,7 +171,7 @@ impl SceneDescription {
             !matches!(material.scattering, Scattering::Mirror { .. }) && !emits(material)
         };
         self.environment.is_none()
-            && !self.lights.iter().any(LightDescription::has_extent)
+            && !self.lights.iter().any(|light| light.has_extent() || light.is_near_ambient())
             && self.surfaces.iter().all(plain)
     }
 

@@ -61,12 +61,25 @@ pub struct Scene {
     pub(crate) is_lecture: bool,
     /// Sum of the ambient lights' radiance, W·sr⁻¹·m⁻².
     pub(crate) ambient: Rgb,
+    /// Ambient lights that near surfaces keep out.
+    pub(crate) near_ambient: Vec<NearAmbient>,
     pub(crate) background: Rgb,
     pub(crate) shadows: Shadows,
     pub(crate) integrator: Integrator,
     camera: Camera,
     film: FilmDescription,
     luminous_efficacy: LuminousEfficacy,
+}
+
+/// Ambient light that surfaces nearer than its reach keep out.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct NearAmbient {
+    /// Radiance from every open direction, W·sr⁻¹·m⁻².
+    pub radiance: Rgb,
+    /// m
+    pub reach: f32,
+    /// Its place in the description.
+    pub number: u32,
 }
 
 impl Scene {

@@ -131,7 +131,7 @@ impl Studio {
             | Light::Sun { direction, irradiance, .. } => {
                 irradiance * (direction.dot(-self.up).max(0.0) / PI) as f32
             }
-            Light::Ambient { radiance } => radiance,
+            Light::Ambient { radiance, .. } => radiance,
             _ => Rgb::ZERO,
         });
         let sky = if surrounded { (UNDER_SKY / PI) as f32 } else { 0.0 };

@@ -146,7 +146,7 @@ fn l05(readings: &mut Readings) {
 
 fn l06(readings: &mut Readings) {
     let mut scene = lamp();
-    light(&mut scene, Light::Ambient { radiance: Rgb::splat(0.1) });
+    light(&mut scene, Light::Ambient { radiance: Rgb::splat(0.1), reach: f64::INFINITY });
     let direct = 0.5 / PI * below_lamp(0.0);
     let eye = v(0.1, -1.0, 1.0);
     readings.radiance("", &Scene::build(&scene), eye, DVec3::ZERO, 0.05 + direct);

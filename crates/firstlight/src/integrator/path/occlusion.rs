@@ -1,7 +1,7 @@
 //! Ambient occlusion: how much of a sky of radiance 1 a white surface would see, if nothing further away than a distance
 //! stood in between (Zhukov, Iones, Kronin, *An Ambient Light Illumination Model*, 1998).
 
-use super::{Answer, Path, Scratch, Vertex};
+use super::{Path, Scratch, Vertex};
 use crate::color::Rgb;
 use crate::geometry::Ray;
 use crate::integrator::Source;
@@ -10,7 +10,7 @@ use crate::integrator::record::{Recorder, add};
 use crate::sampler::PathPoints;
 use crate::scene::Scene;
 use crate::shading::bsdf::{Kind, Lobe};
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec3};
 
 /// Looks for the sky.
 pub(crate) struct Occlusion<'a> {
@@ -83,17 +83,8 @@ impl<'a> Occlusion<'a> {
     ) {
         let pair = Bounce::new(0).direction();
         self.path.ask(0, scratch, recorder, |vertex, lobes| {
-            self.light_from_sky(vertex, lobes, points[vertex.walk.sample as usize].pair(pair))
+            let u = points[vertex.walk.sample as usize].pair(pair);
+            vertex.light_from_sky(lobes, Source::Environment, self.distance, 0.0, u)
         });
-    }
-
-    /// From a direction picked by its cosine, in which the sky may be.
-    #[inline(always)]
-    fn light_from_sky(&self, vertex: &Vertex, lobes: &[Lobe], u: Vec2) -> Option<Answer> {
-        let sample = vertex.bsdf(lobes).sample(0.0, u)?;
-        let incoming = sample.incoming;
-        let ray = Ray { t_max: self.distance, ..Ray::new(vertex.starts[0], incoming) };
-        let (ray, scattered, irradiance) = (Some(ray), sample.weight, Rgb::ONE);
-        Some(Answer { source: Source::Environment, ray, incoming, scattered, irradiance })
     }
 }

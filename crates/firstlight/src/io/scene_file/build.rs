@@ -7,7 +7,7 @@ use super::luminaire::Luminaires;
 use super::material::MaterialKeys;
 use super::pictures::Pictures;
 use super::surface::{NewShape, SurfaceKeys};
-use super::{InstanceKeys, ModelKeys, SceneKeys, transform};
+use super::{InstanceKeys, ModelKeys, SceneKeys, look, transform};
 use crate::color::Rgb;
 use crate::diagnostic::{Diagnostic, Result};
 use crate::io::model::{self, Format, UpAxis, upright};
@@ -92,6 +92,7 @@ pub(super) fn build(
     for (name, instance) in in_order(keys.instances) {
         builder.add_instance(&name, instance)?;
     }
+    look::apply(keys.look, keys.section, document, &mut builder.scene)?;
     warnings.extend(builder.scene.leave_out_far_triangles(document.name));
     warnings.extend(unheeded_shadows(&builder.scene, document.name));
     Ok(builder.scene)

@@ -121,6 +121,8 @@ pub(super) struct AmbientKeys {
     radiance: At<Amount<Radiance>>,
     /// Its colour. Default white.
     color: Option<Color>,
+    /// Surfaces nearer than this keep it out, m. Default: none does.
+    reach: Option<Size>,
 }
 
 /// A light at the camera: exactly one of `irradiance`, `intensity` and `power`.
@@ -280,7 +282,8 @@ impl Lighting<'_> {
             }
             LightKeys::Ambient(At { value, .. }) => {
                 let radiance = self.channels(&value.radiance, value.color)?;
-                (Light::Ambient { radiance }, Some(false), None)
+                let reach = value.reach.map_or(f64::INFINITY, |Size(reach)| reach);
+                (Light::Ambient { radiance, reach }, Some(false), None)
             }
             LightKeys::Camera(At { span, value }) => {
                 (Light::Camera { amount: self.camera_light(value, &span)? }, Some(false), None)

@@ -12,6 +12,7 @@ mod document;
 mod environment;
 mod film;
 mod light;
+mod look;
 mod luminaire;
 mod material;
 mod overrides;
@@ -39,6 +40,7 @@ use document::{At, Document, Named};
 use environment::{EnvironmentKeys, IntegratorKeys};
 use film::FilmKeys;
 use light::LightKeys;
+use look::{LookName, SectionKeys};
 use material::MaterialKeys;
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -136,6 +138,10 @@ struct SceneKeys {
     environment: Option<At<EnvironmentKeys>>,
     /// How light is gathered. Default "direct".
     integrator: IntegratorKeys,
+    /// What the picture is for: "clarity", "balanced" or "real". Default: as integrator and lights say.
+    look: Option<At<LookName>>,
+    /// For the look "clarity": a plane before which everything is cut away.
+    section: Option<At<SectionKeys>>,
     /// Lumens per watt, to convert between light as seen and its energy. Default 683.
     luminous_efficacy: Efficacy,
     /// How shadow rays are kept from hitting the surface they leave. Default "robust".
@@ -165,6 +171,8 @@ impl Default for SceneKeys {
             background: Color(Rgb::ZERO),
             environment: None,
             integrator: IntegratorKeys::default(),
+            look: None,
+            section: None,
             luminous_efficacy: Efficacy(LuminousEfficacy::default().0),
             shadows: Shadows::default(),
             camera: None,

@@ -159,7 +159,10 @@ fn coloured_lumens_stay_lumens_and_coloured_watts_are_multiplied() {
     assert!(per_steradian.abs_diff_eq(Rgb::new(60.0, 30.0, 0.0), 1e-4));
     assert_eq!(point_intensity("intensity = [3, 2, 1]"), Rgb::new(3.0, 2.0, 1.0));
     let halved = scene("luminous_efficacy = 100\nlights.a.ambient.radiance = '20 nit'");
-    assert_eq!(halved.lights[0].light, Light::Ambient { radiance: Rgb::splat(0.2) });
+    assert_eq!(
+        halved.lights[0].light,
+        Light::Ambient { radiance: Rgb::splat(0.2), reach: f64::INFINITY }
+    );
 }
 
 #[test]

@@ -27,6 +27,11 @@ impl LightDescription {
         Self { name: name.into(), light, shadows: true, radius: 0.0 }
     }
 
+    /// Whether it is ambient light that near surfaces keep out.
+    pub fn is_near_ambient(&self) -> bool {
+        matches!(self.light, Light::Ambient { reach, .. } if reach.is_finite())
+    }
+
     /// Whether its shadows have soft edges. Without shadows, its middle is as good.
     pub fn has_extent(&self) -> bool {
         self.shadows && (self.radius > 0.0 || matches!(self.light, Light::Sun { .. }))
@@ -89,6 +94,8 @@ pub enum Light {
     Ambient {
         /// Radiance from every direction, W·sr⁻¹·m⁻².
         radiance: Rgb,
+        /// Surfaces nearer than this keep it out, m; infinite: none does, as in the lecture.
+        reach: f64,
     },
     /// The dim light at the camera. It follows the camera in use and casts no visible shadow.
     Camera {

@@ -104,9 +104,10 @@ impl Material {
         Self { scattering, ..Self::matte(name, Rgb::ZERO) }
     }
 
-    /// Whether it scatters like a matte ground and nothing else.
+    /// Whether it scatters like a matte ground, and nothing bends its normals.
     pub fn is_matte(&self) -> bool {
-        matches!(&self.scattering, Scattering::Matte { roughness } if roughness.is(0.0))
+        let is_flat = self.normal.is_none() && self.bump.is_none();
+        is_flat && matches!(&self.scattering, Scattering::Matte { roughness } if roughness.is(0.0))
     }
 
     /// Whether light passes it without being turned aside: panes of glass, which cast no shadow but their tint.

@@ -26,7 +26,7 @@ pub use place::Part;
 pub use shape::{Block, Cone, Cylinder, Disk, Plane, Quad, Shape, Sphere, Surface};
 pub use view::{
     CameraDescription, CameraSettings, Exposure, FilmDescription, Filter, Integrator, Projection,
-    Shadows,
+    Section, Shadows,
 };
 
 use crate::color::Rgb;

@@ -81,7 +81,7 @@ fn scale_light(light: &mut Light, factor: f32) {
         Light::Point { intensity, .. } | Light::Spot { intensity, .. } => intensity,
         Light::Photometric { factor, .. } => factor,
         Light::Directional { irradiance, .. } | Light::Sun { irradiance, .. } => irradiance,
-        Light::Ambient { radiance } => radiance,
+        Light::Ambient { radiance, .. } => radiance,
         Light::Camera { amount: Intensity(quantity) | Irradiance(quantity) } => quantity,
     };
     *quantity *= factor;

@@ -236,6 +236,24 @@ pub enum Integrator {
         /// Surfaces further away than this do not count, m; may be infinite.
         distance: f64,
     },
+    /// Shape above all: colours as they are, open places brighter than narrow ones, lines where surfaces end or bend.
+    Clarity {
+        /// Surfaces further away than this make no place narrow, m.
+        distance: f64,
+        /// Width of the lines, pixels; 0: none.
+        lines: f64,
+        /// What lies before this plane is cut away.
+        section: Option<Section>,
+    },
+}
+
+/// A plane that cuts a scene open.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Section {
+    /// A point of it, m.
+    pub point: DVec3,
+    /// Unit vector to the side that is cut away.
+    pub normal: DVec3,
 }
 
 /// How shadow rays are kept from hitting the surface they leave: the lecture's blunder, its two cures, and ours.
