@@ -3,6 +3,7 @@
 use crate::measure::Requests;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use firstlight::color::{Rgb, View};
+use firstlight::doctor::CODES;
 use firstlight::io::scene_file::Override;
 use firstlight::io::{BitDepth, Format, Precision};
 use firstlight::layers::Layer;
@@ -39,10 +40,12 @@ pub(crate) enum Command {
     Render(Box<RenderArgs>),
     /// Say why a pixel has the colour it has
     Explain(Box<ExplainArgs>),
-    /// Read everything a scene needs and say what is wrong with it; draws nothing
-    Check(CheckArgs),
+    /// Look for what would make the picture of a scene black, white, noisy or wrong; writes nothing
+    Check(Box<CheckArgs>),
     /// Show what is in a scene or model
     Info(InfoArgs),
+    /// Show every light with its units, and what of it arrives in the middle of the scene
+    Lights(Box<LightsArgs>),
     /// Print the JSON Schema of scene files, for editors
     Schema,
     /// Measure irradiance and radiance at points of a scene
@@ -100,6 +103,9 @@ pub(crate) struct PictureArgs {
     /// Make the background transparent
     #[arg(long)]
     pub transparent: bool,
+    /// Leave out what light scattered more than once brings beyond this radiance; the report says how much that was
+    #[arg(long, value_name = "RADIANCE", value_parser = clamp, allow_hyphen_values = true)]
+    pub clamp: Option<f64>,
     /// Seed of every random number
     #[arg(long, value_name = "N", value_parser = seed)]
     #[arg(allow_negative_numbers = true)]
@@ -147,9 +153,19 @@ pub(crate) struct RenderArgs {
     /// Print nothing but errors and warnings
     #[arg(short, long)]
     pub quiet: bool,
-    /// End with exit code 3 if there is any warning; the picture is written nevertheless
+    #[command(flatten)]
+    pub findings: FindingArgs,
+}
+
+/// What becomes of warnings.
+#[derive(Debug, Args)]
+pub(crate) struct FindingArgs {
+    /// End with exit code 3 if there is any warning; what was asked for is done nevertheless
     #[arg(long)]
     pub strict: bool,
+    /// Say nothing of findings with this code, such as light-off; may be repeated
+    #[arg(long, value_name = "CODE", value_parser = codes(), hide_possible_values = true)]
+    pub ignore: Vec<String>,
 }
 
 #[derive(Debug, Args)]
@@ -278,7 +294,7 @@ Examples:
   firstlight render scene.toml -o - --crop 100,80,64,64 > crop.png";
 
 /// The studio around a model file; a scene file says these things itself.
-#[derive(Debug, Args)]
+#[derive(Debug, Default, Args)]
 #[command(next_help_heading = "Studio (model files only)")]
 pub(crate) struct StudioArgs {
     /// Direction of the camera: anticlockwise around the model from its front [default: 30]
@@ -306,6 +322,9 @@ pub(crate) struct StudioArgs {
     /// Which look of a glTF file with variants is shown
     #[arg(long, value_name = "NAME")]
     pub variant: Option<String>,
+    /// In which units a glTF file's lights are [default: as its generator is known to write them, else spec]
+    #[arg(long, value_enum, value_name = "UNITS")]
+    pub gltf_lights: Option<LightUnitsName>,
     /// Length of 1 in the file, such as mm or "2.5 cm" [default: 1 m]
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     pub unit: Option<String>,
@@ -317,13 +336,12 @@ pub(crate) struct StudioArgs {
 )]
 pub(crate) struct CheckArgs {
     #[command(flatten)]
-    pub input: InputArgs,
+    pub picture: PictureArgs,
     /// Print a report as JSON on standard output
     #[arg(long)]
     pub json: bool,
-    /// End with exit code 3 if there is any warning
-    #[arg(long)]
-    pub strict: bool,
+    #[command(flatten)]
+    pub findings: FindingArgs,
 }
 
 #[derive(Debug, Args)]
@@ -333,6 +351,18 @@ pub(crate) struct CheckArgs {
 pub(crate) struct InfoArgs {
     #[command(flatten)]
     pub input: InputArgs,
+    /// Print it as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  firstlight lights scene.toml\n  firstlight lights room.glb --json"
+)]
+pub(crate) struct LightsArgs {
+    #[command(flatten)]
+    pub picture: PictureArgs,
     /// Print it as JSON
     #[arg(long)]
     pub json: bool,
@@ -392,6 +422,10 @@ Examples:
   firstlight verify --group cie171
   firstlight verify --case A01-square-above";
 
+fn codes() -> clap::builder::PossibleValuesParser {
+    CODES.iter().map(|(code, _)| *code).collect::<Vec<_>>().into()
+}
+
 fn group_names() -> clap::builder::PossibleValuesParser {
     GROUPS.iter().map(|(name, _)| *name).collect::<Vec<_>>().into()
 }
@@ -418,6 +452,28 @@ impl<T> Switch<T> {
 pub(crate) enum Axis {
     Y,
     Z,
+}
+
+/// The units of a glTF file's lights, as they are called on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum LightUnitsName {
+    /// Candela and lux, as glTF says
+    Spec,
+    /// Watts, as old exports from Blender have them
+    Blender,
+    /// Watts per steradian, as Blender's "Unitless" exports have them
+    Unitless,
+}
+
+impl LightUnitsName {
+    /// Its name in scene files.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Spec => "spec",
+            Self::Blender => "blender",
+            Self::Unitless => "unitless",
+        }
+    }
 }
 
 /// A set of instructions; none: the best there is.
@@ -518,6 +574,11 @@ fn noise(text: &str) -> Parsed<f64> {
     let value = number.parse().ok().map(|number: f64| number * unit);
     let value = value.filter(|value| (1e-6..=1.0).contains(value));
     value.ok_or_else(|| "needs a part of the picture's brightness, such as 2% or 0.02".into())
+}
+
+fn clamp(text: &str) -> Parsed<f64> {
+    let bound = text.trim().parse().ok().filter(|bound: &f64| bound.is_finite() && *bound > 0.0);
+    bound.ok_or_else(|| "needs a radiance greater than 0, in W/(sr m²), such as 10".into())
 }
 
 fn sample_range(text: &str) -> Parsed<[u32; 2]> {

@@ -1,27 +1,57 @@
-//! `firstlight check`: reads everything, draws nothing.
+//! `firstlight check`: looks for what would make the picture black, white, noisy or wrong; writes nothing.
 
 use crate::args::CheckArgs;
 use crate::output::{print, print_json};
+use crate::render::Picture;
 use crate::{Exit, Outcome, report, verdict};
-use firstlight::SceneDescription;
-use firstlight::diagnostic::visible;
-use firstlight::io::Warnings;
+use firstlight::diagnostic::{Diagnostic, visible};
+use firstlight::doctor::{Care, Doctor, degenerate_triangles};
+use firstlight::io::{BitDepth, Format, Warnings};
+use firstlight::render::{RenderOptions, render};
+use firstlight::scene::description::FilmDescription;
+use firstlight::{BuildQuality, Level, Scene, SceneDescription};
 use serde_json::json;
+use std::ops::ControlFlow;
 
 pub(crate) fn run(args: &CheckArgs) -> Outcome {
     let mut warnings = Warnings::new();
-    let scene = args.input.load(&mut warnings)?;
-    // A model is lit by the studio if it has no lights.
-    if !args.input.is_model() {
-        warnings.extend(verdict::foresee(&scene));
-    }
+    let scene = args.picture.read(&args.picture.input.access(), &mut warnings)?;
+    let mut shown = scene.clone();
+    args.picture.complete(&mut shown)?;
+    warnings.extend(findings(shown));
+    let warnings = args.findings.heeded(warnings);
     report::warnings(&warnings);
     if args.json {
         print_json(&json(args, &scene, &warnings))?;
     } else {
         print(summary(args, &scene, warnings.len()).as_bytes())?;
     }
-    Ok(if args.strict && !warnings.is_empty() { Exit::Strict } else { Exit::Done })
+    let strict = args.findings.strict && !warnings.is_empty();
+    Ok(if strict { Exit::Strict } else { Exit::Done })
+}
+
+/// All that the doctor finds in a scene and in a small picture of it.
+fn findings(mut scene: SceneDescription) -> Vec<Diagnostic> {
+    make_small(&mut scene.film);
+    let built = Scene::build_with(&scene, Level::detect(), BuildQuality::Preview);
+    let doctor = Doctor::new(&scene, &built);
+    let rendered = render(&built, &RenderOptions::default(), &|_| ControlFlow::Continue(()));
+    let format = Format::Png { bits: BitDepth::Eight };
+    let stops = scene.film.exposure.stops(scene.luminous_efficacy);
+    let picture = Picture::new(rendered, stops, scene.film.view, format);
+    // A few samples say nothing about the noise of the picture to come.
+    let mut found = doctor.examine(Care::Thorough);
+    found.extend(doctor.judge(&verdict::shown(&picture, None)));
+    found
+}
+
+/// Makes the picture about 100 pixels wide, with a few samples.
+fn make_small(film: &mut FilmDescription) {
+    const SIDE: f64 = 96.0;
+    let scale = (SIDE / f64::from(film.width.max(film.height))).min(1.0);
+    let side = |pixels: u32| ((f64::from(pixels) * scale).round() as u32).max(1);
+    (film.width, film.height) = (side(film.width), side(film.height));
+    film.samples = film.samples.min(4);
 }
 
 /// Triangles of all surfaces, copies counted.
@@ -34,21 +64,26 @@ fn summary(args: &CheckArgs, scene: &SceneDescription, warnings: usize) -> Strin
         1 => format!("1 {thing}"),
         _ => format!("{count} {thing}s"),
     };
+    let flat = match degenerate_triangles(scene) {
+        0 => String::new(),
+        count => format!(" ({count} without area)"),
+    };
     let parts = [
         counted(scene.surfaces.len(), "surface"),
-        counted(triangles(scene), "triangle"),
+        counted(triangles(scene), "triangle") + &flat,
         counted(scene.lights.len(), "light"),
         counted(scene.cameras.len(), "camera"),
         counted(warnings, "warning"),
     ];
-    format!("{}: {}\n", visible(&args.input.name()), parts.join(", "))
+    format!("{}: {}\n", visible(&args.picture.input.name()), parts.join(", "))
 }
 
 fn json(args: &CheckArgs, scene: &SceneDescription, warnings: &Warnings) -> serde_json::Value {
     json!({
-        "scene": args.input.name(),
+        "scene": args.picture.input.name(),
         "surfaces": scene.surfaces.len(),
         "triangles": triangles(scene),
+        "degenerate_triangles": degenerate_triangles(scene),
         "lights": scene.lights.len(),
         "cameras": scene.cameras.len(),
         "materials": scene.materials.len(),

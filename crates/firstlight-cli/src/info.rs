@@ -5,7 +5,6 @@ use crate::check::triangles;
 use crate::output::{print, print_json};
 use crate::{Exit, Outcome, report};
 use firstlight::SceneDescription;
-use firstlight::color::Rgb;
 use firstlight::diagnostic::visible;
 use firstlight::io::Warnings;
 use firstlight::scene::bounds;
@@ -64,25 +63,6 @@ fn instances(scene: &SceneDescription) -> usize {
     uses.into_iter().map(|count| count.saturating_sub(1)).sum()
 }
 
-/// The kind of a light, what its quantity is, and how much it gives in its brightest direction.
-fn quantity(light: &Light) -> (&'static str, Dimension, Rgb) {
-    use CameraLightAmount::{Intensity, Irradiance};
-    match light {
-        Light::Point { intensity, .. } => ("point", Dimension::Intensity, *intensity),
-        Light::Spot { intensity, .. } => ("spot", Dimension::Intensity, *intensity),
-        Light::Photometric { web, factor, .. } => {
-            ("photometric", Dimension::Intensity, *factor * web.brightest())
-        }
-        Light::Directional { irradiance, .. } => {
-            ("directional", Dimension::Irradiance, *irradiance)
-        }
-        Light::Sun { irradiance, .. } => ("sun", Dimension::Irradiance, *irradiance),
-        Light::Ambient { radiance, .. } => ("ambient", Dimension::Radiance, *radiance),
-        Light::Camera { amount: Intensity(value) } => ("camera", Dimension::Intensity, *value),
-        Light::Camera { amount: Irradiance(value) } => ("camera", Dimension::Irradiance, *value),
-    }
-}
-
 fn name_of(dimension: Dimension) -> &'static str {
     match dimension {
         Dimension::Intensity => "intensity",
@@ -135,7 +115,7 @@ fn as_json(scene: &SceneDescription) -> Value {
 }
 
 fn light_json(described: &LightDescription, scene: &SceneDescription) -> Value {
-    let (kind, dimension, value) = quantity(&described.light);
+    let (kind, (dimension, value)) = (described.light.kind(), described.light.quantity());
     json!({
         "name": described.name,
         "kind": kind,
@@ -247,7 +227,7 @@ fn point(corner: DVec3, size: f64) -> String {
 }
 
 fn light_row(described: &LightDescription, scene: &SceneDescription) -> [String; 2] {
-    let (kind, dimension, value) = quantity(&described.light);
+    let (kind, (dimension, value)) = (described.light.kind(), described.light.quantity());
     let unit = units::unit(dimension, Measure::Radiometric);
     let [r, g, b] = value.to_array().map(f64::from);
     let energy = match r == g && g == b {

@@ -7,6 +7,7 @@ mod explain;
 mod info;
 mod input;
 mod layers;
+mod lights;
 mod machine;
 mod measure;
 mod merge;
@@ -32,6 +33,7 @@ fn main() -> ExitCode {
         Command::Explain(args) => explain::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Info(args) => info::run(&args),
+        Command::Lights(args) => lights::run(&args),
         Command::Schema => schema::run(),
         Command::Measure(args) => measure::run(&args),
         Command::Merge(args) => merge::run(&args),

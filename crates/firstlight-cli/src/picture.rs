@@ -3,6 +3,7 @@
 use crate::args::PictureArgs;
 use crate::input::choose_camera;
 use crate::{Outcome, machine, studio};
+use firstlight::diagnostic::Result;
 use firstlight::io::scene_file::Override;
 use firstlight::io::{FileAccess, Warnings};
 use firstlight::scene::description::Section;
@@ -15,23 +16,38 @@ impl PictureArgs {
         access: &FileAccess,
         warnings: &mut Warnings,
     ) -> Outcome<SceneDescription> {
+        let mut scene = self.read(access, warnings)?;
+        self.complete(&mut scene)?;
+        Ok(scene)
+    }
+
+    /// Reads the scene as its file has it.
+    pub(crate) fn read(
+        &self,
+        access: &FileAccess,
+        warnings: &mut Warnings,
+    ) -> Outcome<SceneDescription> {
         let is_model = self.input.is_model();
         if !is_model {
             self.studio.refuse()?;
         }
         let overrides =
             if is_model { self.studio.overrides(&self.input.scene)? } else { self.look()? };
-        let mut scene = self.input.load_with(overrides, access, warnings)?;
-        self.set_film(&mut scene);
-        choose_camera(&mut scene, self.camera.as_deref())?;
-        if is_model {
-            studio::dress(&mut scene, self)?;
+        self.input.load_with(overrides, access, warnings)
+    }
+
+    /// Adds what a picture of the scene needs: film, camera, and the studio around a model.
+    pub(crate) fn complete(&self, scene: &mut SceneDescription) -> Result<()> {
+        self.set_film(scene);
+        choose_camera(scene, self.camera.as_deref())?;
+        if self.input.is_model() {
+            studio::dress(scene, self)?;
             if let Some(look) = self.look {
-                look.apply(&mut scene, self.section);
-                self.set_film(&mut scene);
+                look.apply(scene, self.section);
+                self.set_film(scene);
             }
         }
-        Ok(scene)
+        Ok(())
     }
 
     /// The look that is asked for, laid over that of a scene file.
@@ -55,6 +71,7 @@ impl PictureArgs {
         film.exposure = self.exposure.unwrap_or(film.exposure);
         film.view = self.view.unwrap_or(film.view);
         film.transparent |= self.transparent;
+        film.clamp = self.clamp.or(film.clamp);
     }
 
     /// Worker threads.

@@ -9,6 +9,7 @@ use crate::report::{self, Bar};
 use crate::{Exit, Failure, Outcome, verdict};
 use firstlight::color::View;
 use firstlight::diagnostic::{Diagnostic, Result, visible};
+use firstlight::doctor::{Care, Doctor};
 use firstlight::io::{Develop, Format, Metadata, PartInfo, Warnings, save, save_part};
 use firstlight::layers::LightLayers;
 use firstlight::render::{
@@ -22,6 +23,8 @@ use std::time::Instant;
 
 /// Bytes of memory per pixel: the film's sums and the picture that becomes of them.
 const PIXEL_BYTES: u64 = 96;
+/// The same where the sums are kept in two halves.
+const HALVED_PIXEL_BYTES: u64 = 176;
 /// Bytes of memory per pixel of a part: the sums three times over, on their way to the file.
 const PART_PIXEL_BYTES: u64 = 352;
 
@@ -45,18 +48,22 @@ pub(crate) fn run(args: RenderArgs) -> Outcome {
     output.spare(&access.opened())?;
     check_size(&scene, &args)?;
     check_samples(&scene, args.samples)?;
-    warnings.extend(verdict::foresee(&scene));
     warnings.extend(verdict::opaque(&scene, output.format));
-    report::warnings(&warnings);
     clock.lap("load");
     let level = args.picture.level();
     let built = with_threads(threads, || Scene::build_with(&scene, level, args.build.into()));
     layers::check_size(&args, &built)?;
     clock.lap("build");
+    let doctor = Doctor::new(&scene, &built);
+    warnings.extend(doctor.examine(Care::Quick));
+    let mut warnings = args.findings.heeded(warnings);
+    report::warnings(&warnings);
+    clock.lap("check");
     let signal = Signal::listen();
     let (picture, lights) = draw(&args, threads, &built, output.format, &signal);
     clock.lap("render");
-    let doubts = verdict::judge(&scene, &picture);
+    let shown = verdict::shown(&picture, picture.rendered.noise);
+    let doubts = args.findings.heeded(doctor.judge(&shown));
     report::warnings(&doubts);
     warnings.extend(doubts);
     match (&args.aov, lights) {
@@ -71,7 +78,7 @@ pub(crate) fn run(args: RenderArgs) -> Outcome {
     clock.lap("write");
     let done = Done { args: &args, scene, built, picture, output, threads, warnings, clock };
     done.report()?;
-    Ok(signal.exit().unwrap_or(match args.strict && !done.warnings.is_empty() {
+    Ok(signal.exit().unwrap_or(match args.findings.strict && !done.warnings.is_empty() {
         true => Exit::Strict,
         false => Exit::Done,
     }))
@@ -113,7 +120,11 @@ fn check_size(scene: &SceneDescription, args: &RenderArgs) -> Result<()> {
         let message = format!("{x},{y},{w},{h} reaches beyond the picture of {width} × {height}");
         return Err(Box::new(Diagnostic::new("--crop", message)));
     }
-    let pixel_bytes = args.samples.map_or(PIXEL_BYTES, |_| PART_PIXEL_BYTES);
+    let pixel_bytes = match args.samples {
+        Some(_) => PART_PIXEL_BYTES,
+        None if args.is_endless() => HALVED_PIXEL_BYTES,
+        None => PIXEL_BYTES,
+    };
     let needed = u64::from(crop.width) * u64::from(crop.height) * pixel_bytes;
     match machine::available_memory() {
         Some(available) if needed > available => Err(too_large(crop, needed, available)),
@@ -350,9 +361,13 @@ impl Done<'_> {
             false => String::new(),
         };
         let (time, rate) = (report::span(self.clock.total()), report::rate(self.rays_per_second()));
-        let (output, samples) = (self.output.name(), rendered.samples);
+        let output = self.output.name();
+        let samples = report::samples(rendered.samples, rendered.spread);
         let noise = report::noise(rendered.noise, !self.args.is_endless());
-        format!("{what} {output}: {width}×{height}, {samples} spp{noise}{exposure}, {time}, {rate}")
+        let clamped = report::clamped(&self.scene, rendered.clamped);
+        format!(
+            "{what} {output}: {width}×{height}, {samples}{noise}{clamped}{exposure}, {time}, {rate}"
+        )
     }
 
     fn json(&self) -> Value {
@@ -363,8 +378,14 @@ impl Done<'_> {
             "width": rendered.image.width(),
             "height": rendered.image.height(),
             "samples": rendered.samples,
+            "samples_per_pixel": {
+                "min": rendered.spread.fewest,
+                "mean": rendered.spread.mean,
+                "max": rendered.spread.most,
+            },
             "interrupted": rendered.interrupted,
             "noise": report::noise_json(rendered.noise, !self.args.is_endless()),
+            "clamped": scene.film.clamp.map(|_| rendered.clamped),
             "seconds": self.clock.json(),
             "rays": {
                 "camera": rendered.rays.camera,

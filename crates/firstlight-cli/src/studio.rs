@@ -48,6 +48,11 @@ impl StudioArgs {
                 self.variant.is_some(),
                 "set variant in its [models.NAME], or -D models.NAME.variant=…",
             ),
+            (
+                "--gltf-lights",
+                self.gltf_lights.is_some(),
+                "set gltf_lights in its [models.NAME], or -D models.NAME.gltf_lights=…",
+            ),
         ];
         let Some((flag, _, help)) = given.into_iter().find(|(_, given, _)| *given) else {
             return Ok(());
@@ -56,11 +61,13 @@ impl StudioArgs {
         Err(Box::new(Diagnostic::new(flag, message).help(help)))
     }
 
-    /// What `--up`, `--unit` and `--variant` set in the scene around the model at `path`.
+    /// What `--up`, `--unit`, `--variant` and `--gltf-lights` set in the scene around the model at `path`.
     pub(crate) fn overrides(&self, path: &Path) -> Result<Vec<Override>> {
         let up = self.up.map(|axis| if axis == Axis::Y { "y" } else { "z" });
         let unit = ("unit", self.unit.as_deref());
-        let values = [("up", up), unit, ("variant", self.variant.as_deref())];
+        let lights = self.gltf_lights.map(|units| units.name());
+        let values =
+            [("up", up), unit, ("variant", self.variant.as_deref()), ("gltf_lights", lights)];
         let given = values.into_iter().filter_map(|(key, value)| Some((key, value?)));
         given.map(|(key, value)| model_override(path, key, value)).collect()
     }

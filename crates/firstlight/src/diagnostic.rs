@@ -14,6 +14,8 @@ pub struct Diagnostic {
     pub place: Place,
     /// What the user can do about it.
     pub help: Option<String>,
+    /// A short name that stays the same from version to version, such as `light-inside`; empty if it has none.
+    pub code: &'static str,
 }
 
 /// Where in the input a [`Diagnostic`] belongs. Every part may be unknown (empty or `None`).
@@ -40,7 +42,7 @@ impl Diagnostic {
     /// A complaint about `file` as a whole.
     pub fn new(file: impl Into<String>, message: impl Into<String>) -> Self {
         let place = Place { file: file.into(), ..Place::default() };
-        Self { message: message.into(), place, help: None }
+        Self { message: message.into(), place, ..Self::default() }
     }
 
     /// Adds the line (from 1) it is about.
@@ -54,6 +56,13 @@ impl Diagnostic {
     #[must_use]
     pub fn at_part(mut self, part: impl Into<String>) -> Self {
         self.place.part = Some(part.into());
+        self
+    }
+
+    /// Adds the name it is known by.
+    #[must_use]
+    pub fn code(mut self, code: &'static str) -> Self {
+        self.code = code;
         self
     }
 

@@ -17,7 +17,7 @@ const LAYERS: &[&[&str]] = &[
     &["integrator", "look"],
     &["layers"],
     &["render"],
-    &["explain", "verify"],
+    &["doctor", "explain", "passport", "verify"],
     &["io"],
 ];
 

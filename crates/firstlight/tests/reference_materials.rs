@@ -4,7 +4,7 @@ mod common;
 
 use common::*;
 use firstlight::scene::description::*;
-use firstlight::verify::white::{glass, pane};
+use firstlight::verify::white::{glass, pane, principled};
 use firstlight::{Meter, Ray, Scene, SceneDescription};
 use glam::{DQuat, DVec3, Vec2, Vec3};
 
@@ -96,6 +96,108 @@ fn mixes_and_opacity_are_shares() {
     assert!((mean - 0.75).abs() < 0.02, "{mean}");
 }
 
+/// A closed body of what absorbs and scatters, without a boundary.
+fn cloud(absorption: f32, scattering: f32, anisotropy: f32) -> Material {
+    let mut cloud = glass(1.0, 0.0);
+    let inside = cloud.interior.as_mut().expect("it is solid");
+    inside.absorption = Vec3::splat(absorption);
+    (inside.scattering, inside.anisotropy) = (Vec3::splat(scattering), anisotropy);
+    cloud
+}
+
+/// Clouds that only scatter cannot be seen in a furnace, with and without a wall of glass; inside they are n² brighter.
+#[test]
+fn white_clouds_are_invisible_in_a_furnace() {
+    for (index, g) in [(1.0, 0.0), (1.0, 0.8), (1.0, -0.5), (1.5, 0.3)] {
+        let mut cloud = cloud(0.0, 3.0, g);
+        cloud.interior.as_mut().expect("it is solid").index = index;
+        let mut scene = furnace(vec![cloud, Material::matte("white", Vec3::ONE)]);
+        add_with(&mut scene, ball(DVec3::ZERO, 1.0), 0);
+        add_with(&mut scene, ball(v(0.2, 0.0, 0.1), 0.4), 1);
+        let scene = Scene::build(&scene);
+        for (from, expected) in [(v(0.0, -5.0, 0.0), 1.0), (v(0.0, -0.6, 0.0), index * index)] {
+            for target in [v(0.1, 0.0, 0.0), v(0.7, 0.0, 0.1)] {
+                let seen = radiance(&scene, &toward(from, target), 2e-3 * f64::from(index)).x;
+                assert!(
+                    (seen / expected - 1.0).abs() < 8e-3,
+                    "{index} {g} {from} {target}: {seen}"
+                );
+            }
+        }
+    }
+}
+
+/// Light on its way through fog, through clouds that it meets, and seen from inside of one.
+#[test]
+fn fog_weakens_what_is_seen_and_what_gives_light() {
+    let mut scene = furnace(vec![Material::matte("floor", Vec3::ONE), cloud(0.7, 0.0, 0.0)]);
+    scene.environment = None;
+    light(&mut scene, point_light(v(0.0, 0.0, 4.0), Vec3::splat(100.0)));
+    let clear = Scene::build(&scene).irradiance(DVec3::ZERO, DVec3::Z).value.x;
+    add_with(&mut scene, cube(v(0.0, 0.0, 2.0), 2.0), 1);
+    for integrator in [Integrator::Direct, Integrator::Path { bounces: None }] {
+        scene.integrator = integrator;
+        let through = Scene::build(&scene).irradiance(DVec3::ZERO, DVec3::Z).value.x;
+        close(through / clear, 0.246596964, 1e-5);
+        let (absorption, scattering) = (Vec3::splat(0.3), Vec3::ZERO);
+        let fog = Some(Medium { absorption, scattering, anisotropy: 0.0 });
+        let everywhere = SceneDescription { medium: fog, ..scene.clone() };
+        let both = Scene::build(&everywhere).irradiance(DVec3::ZERO, DVec3::Z).value.x;
+        close(both / clear, (-2.0_f64 * 0.3 - 1.4).exp(), 1e-5);
+    }
+    // What is not left by the ray has to be known: a cloud around the eye and around what it sees.
+    let mut inside = furnace(vec![cloud(0.7, 1e-6, 0.0), emitter(1.0)]);
+    inside.environment = None;
+    add_with(&mut inside, ball(DVec3::ZERO, 10.0), 0);
+    add_with(&mut inside, cube(v(0.0, 2.5, 0.0), 1.0), 1);
+    let seen = radiance(&Scene::build(&inside), &toward(DVec3::ZERO, v(0.0, 1.0, 0.0)), 1e-4).x;
+    close(seen, 0.246596964, 1e-3);
+}
+
+fn emitter(radiance: f32) -> Material {
+    let emission = Texture::constant(Vec3::splat(radiance));
+    Material { emission, ..Material::matte("emitter", Vec3::ZERO) }
+}
+
+/// `direct` shows light that was scattered once: of a half space ω E / 8π, straight on.
+#[test]
+fn direct_light_is_scattered_once_by_fog() {
+    let mut scene = furnace(vec![cloud(0.1, 0.9, 0.0)]);
+    (scene.environment, scene.integrator) = (None, Integrator::Direct);
+    add_with(&mut scene, floor(), 0);
+    light(&mut scene, Light::Directional { direction: -DVec3::Z, irradiance: Vec3::ONE });
+    let seen = radiance(&Scene::build(&scene), &toward(DVec3::Z, DVec3::ZERO), 3e-5).x;
+    close(seen, 0.9 / (8.0 * std::f64::consts::PI), 3e-3);
+}
+
+/// A light that is picked for many, in fog and behind a sheet that light passes: as much as if all were one.
+#[test]
+fn lights_are_picked_on_all_sides_where_light_passes() {
+    let paper = principled("paper", |p| p.diffuse_transmission = Scalar::constant(1.0));
+    for (material, shape) in [
+        (cloud(0.0, 0.5, 0.3), cube(DVec3::ZERO, 2.0)),
+        (paper, Shape::Disk(Disk { center: DVec3::ZERO, normal: DVec3::Y, radius: 1.0 })),
+    ] {
+        let mut scene = furnace(vec![material]);
+        scene.environment = None;
+        add_with(&mut scene, shape, 0);
+        let mut seen = |lights: u32| {
+            scene.lights.clear();
+            for i in 0..lights {
+                let place = v(0.3 * f64::from(i % 2), 2.0, 0.1 * f64::from(i % 3));
+                light(&mut scene, point_light(place, Vec3::splat(120.0 / lights as f32)));
+            }
+            let meter = Scene::build(&scene);
+            let ray = toward(v(0.0, -5.0, 0.5), v(0.0, 0.0, 0.3));
+            let found = Meter::new(&meter).samples(1 << 18).radiance(&ray);
+            (f64::from(found.value.x), f64::from(found.standard_error.x))
+        };
+        let ((few, few_error), (many, many_error)) = (seen(6), seen(60));
+        let z = (few - many) / few_error.hypot(many_error).max(1e-6 * few);
+        assert!(few > 0.1 && z.abs() < 4.5, "{few} ± {few_error}, {many} ± {many_error}");
+    }
+}
+
 /// A surface that rises by a tenth of its length is lit by a light above it as one that leans so.
 #[test]
 fn bump_maps_lean_surfaces_as_their_heights_do() {
@@ -146,7 +248,7 @@ fn far_squares_fade_instead_of_flickering() {
         scene.images = images;
         scene.materials[0].reflectance = Texture { pattern, ..Texture::constant(Vec3::ONE) };
         add(&mut scene, floor());
-        light(&mut scene, Light::Ambient { radiance: Vec3::ONE });
+        light(&mut scene, Light::Ambient { radiance: Vec3::ONE, reach: f64::INFINITY });
         let view = Projection::Perspective { vertical_fov: 0.2 };
         scene.cameras.push(camera(v(0.0, 0.0, 1.5), v(0.0, 60.0, 0.0), view));
         let filter = Filter::Box { radius: 0.5 };

@@ -7,7 +7,7 @@ fn a_render_reports_everything() {
     let folder = Folder::new();
     let json = folder.run("render scene.toml --json -o a.png -t 2 --seed 3").done().json();
     let keys: Vec<_> = json.as_object().unwrap().keys().map(String::as_str).collect();
-    let expected = "scene output width height samples interrupted noise seconds rays rays_per_second memory triangles \
+    let expected = "scene output width height samples samples_per_pixel interrupted noise clamped seconds rays rays_per_second memory triangles \
         surfaces lights threads simd seed exposure_ev luminous_efficacy dropped_samples warnings";
     assert_eq!(keys, expected.split_whitespace().collect::<Vec<_>>());
     assert_eq!(
@@ -22,8 +22,8 @@ fn a_render_reports_everything() {
     assert_eq!(json["warnings"], serde_json::json!([]));
     let seconds = json["seconds"].as_object().unwrap();
     let stages: Vec<_> = seconds.keys().map(String::as_str).collect();
-    assert_eq!(stages, ["load", "build", "render", "write", "total"]);
-    let sum: f64 = stages[..4].iter().map(|stage| seconds[*stage].as_f64().unwrap()).sum();
+    assert_eq!(stages, ["load", "build", "check", "render", "write", "total"]);
+    let sum: f64 = stages[..5].iter().map(|stage| seconds[*stage].as_f64().unwrap()).sum();
     assert!(seconds["total"].as_f64().unwrap() >= sum - 1e-9);
     #[cfg(target_os = "linux")]
     assert!(json["memory"]["peak_bytes"].as_u64().unwrap() > 1 << 20);

@@ -1,9 +1,10 @@
 //! Model files of any format.
 
 use super::access::{read_file, shown};
+use super::gltf::LightUnits;
 use super::{FileAccess, Warnings, gltf, obj, ply, stl};
 use crate::diagnostic::{Diagnostic, Result};
-use crate::scene::description::SceneDescription;
+use crate::scene::description::{LuminousEfficacy, SceneDescription};
 use glam::{DAffine3, DVec3};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -111,16 +112,27 @@ fn is_binary_stl(bytes: &[u8]) -> bool {
 /// # Errors
 /// If the file cannot be read, its format is unknown or its content broken.
 pub fn read(path: &Path, access: &FileAccess, warnings: &mut Warnings) -> Result<SceneDescription> {
-    read_with_format(path, None, access, warnings).map(|(model, _)| model)
+    read_with_format(path, Options::default(), access, warnings).map(|(model, _)| model)
 }
 
-/// As [`read`], with the format that was found. `variant`: which of several looks of a glTF file is shown.
+/// How a model file is to be read.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Options<'a> {
+    /// Which of the looks of a glTF file is shown (KHR_materials_variants); `None`: the one that it has without.
+    pub variant: Option<&'a str>,
+    /// In which units the lights of a glTF file are; `None`: as its generator is known to write them.
+    pub lights: Option<LightUnits>,
+    /// Lumens per watt, for lights in photometric units.
+    pub luminous_efficacy: LuminousEfficacy,
+}
+
+/// As [`read`], with the format that was found.
 ///
 /// # Errors
 /// As [`read`]; or if there is no such variant.
 pub fn read_with_format(
     path: &Path,
-    variant: Option<&str>,
+    options: Options<'_>,
     access: &FileAccess,
     warnings: &mut Warnings,
 ) -> Result<(SceneDescription, Format)> {
@@ -129,8 +141,8 @@ pub fn read_with_format(
         Diagnostic::new(&name, "this is no model file that can be read")
             .help("models are .gltf, .glb, .obj, .ply or .stl")
     })?;
-    let model = match (format, variant) {
-        (Format::Gltf, _) => gltf::read(&bytes, &name, variant, access, warnings),
+    let model = match (format, options.variant) {
+        (Format::Gltf, _) => gltf::read(&bytes, &name, options, access, warnings),
         (_, Some(_)) => {
             let cause = "this model has no variants: only glTF files have some";
             Err(Box::new(Diagnostic::new(&name, cause)))

@@ -77,7 +77,7 @@ impl<'a> Pictures<'a> {
                     error.message
                 );
                 let help = Some("magenta and black squares stand in for it".into());
-                warnings.push(Diagnostic { message, place, help });
+                warnings.push(Diagnostic { message, place, help, ..Diagnostic::default() });
                 None
             }
         };

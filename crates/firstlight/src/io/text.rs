@@ -41,7 +41,7 @@ impl<'a> Line<'a> {
 
     /// A complaint about this line of the file `name`, which it shows.
     pub(super) fn complain(&self, name: &str, message: impl Into<String>) -> Diagnostic {
-        Diagnostic { message: message.into(), place: self.place(name), help: None }
+        Diagnostic { message: message.into(), place: self.place(name), ..Diagnostic::default() }
     }
 }
 
@@ -254,14 +254,14 @@ impl Tally {
         }
         let first = if self.count > 1 { ", first here" } else { "" };
         let message = message(self.count) + first;
-        Err(Box::new(Diagnostic { message, place: self.first, help: None }))
+        Err(Box::new(Diagnostic { message, place: self.first, ..Diagnostic::default() }))
     }
 
     /// One warning for all, at the first place, if there were any.
     pub(super) fn warn(self, warnings: &mut Warnings, message: impl FnOnce(usize) -> String) {
         if self.count > 0 {
             let message = message(self.count);
-            warnings.push(Diagnostic { message, place: self.first, help: None });
+            warnings.push(Diagnostic { message, place: self.first, ..Diagnostic::default() });
         }
     }
 }

@@ -60,7 +60,9 @@ impl Scene {
             world,
             material_of,
             materials: description.materials.clone(),
-            has_panes: description.materials.iter().any(Material::is_pane),
+            has_panes: description.materials.iter().any(Material::passes_light),
+            is_cloudy: description.materials.iter().any(Material::is_cloudy),
+            medium: description.medium,
             cone: camera.cone(film.samples),
             pictures: description.images.iter().cloned().map(Picture::new).collect(),
             lights,
@@ -109,17 +111,17 @@ fn near_ambient(light: &LightDescription) -> Option<NearAmbient> {
 
 /// A light without extent; if it has one, but casts no shadows that could tell, its middle.
 fn pointlike(described: &LightDescription, camera: &Camera) -> Option<BuiltLight> {
-    if described.has_extent() { None } else { middle(described, camera) }
+    if described.has_extent() { None } else { light_middle(described, camera) }
 }
 
 /// A sphere that shines in place of a point.
 fn round(described: &LightDescription, camera: &Camera) -> Option<RoundLight> {
     let is_round = described.has_extent() && described.radius > 0.0;
-    RoundLight::new(&middle(described, camera).filter(|_| is_round)?, described.radius)
+    RoundLight::new(&light_middle(described, camera).filter(|_| is_round)?, described.radius)
 }
 
 /// The light as if it had no extent; `None` if it comes from everywhere.
-fn middle(described: &LightDescription, camera: &Camera) -> Option<BuiltLight> {
+pub(crate) fn light_middle(described: &LightDescription, camera: &Camera) -> Option<BuiltLight> {
     let source = match described.light {
         Light::Ambient { .. } => return None,
         Light::Point { position, intensity } => Source::Point { position, intensity },
@@ -205,7 +207,7 @@ pub(super) fn part(
 /// What traversal has to ask about surfaces of this material.
 fn flags(material: &Material) -> u32 {
     let one_sided = if material.double_sided && material.visible { 0 } else { ONE_SIDED };
-    let solid = material.alpha == Alpha::Opaque && !material.is_pane();
+    let solid = material.alpha == Alpha::Opaque && !material.passes_light();
     let partly_there = if solid { 0 } else { PARTLY_THERE };
     one_sided | partly_there
 }

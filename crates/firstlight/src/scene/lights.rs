@@ -164,13 +164,16 @@ impl LocalLights {
 }
 
 impl SceneDescription {
-    /// Whether nothing shines but points and what is as good as a point, and nothing mirrors: what the lecture has.
+    /// Whether nothing shines but points and what is as good as a point, nothing mirrors, and the air is clear: what the
+    /// lecture has.
     pub(crate) fn is_lecture(&self) -> bool {
         let plain = |surface: &Surface| {
             let material = &self.materials[surface.material];
-            !matches!(material.scattering, Scattering::Mirror { .. }) && !emits(material)
+            let cloudy = material.is_cloudy() || material.passes_light() && !material.is_pane();
+            !matches!(material.scattering, Scattering::Mirror { .. }) && !emits(material) && !cloudy
         };
         self.environment.is_none()
+            && self.medium.is_none()
             && !self.lights.iter().any(|light| light.has_extent() || light.is_near_ambient())
             && self.surfaces.iter().all(plain)
     }

@@ -12,6 +12,7 @@ mod material;
 mod studio;
 mod values;
 
+pub(crate) use build::light_middle;
 pub(crate) use filter::{Everything, Meets, OnlyPanes, SeenByCamera, StopsLight};
 pub use framing::{bounds, frame};
 pub(crate) use lights::{LocalLight, LocalLights};
@@ -27,7 +28,7 @@ use crate::shading::light::environment::{Environment, Sun};
 use crate::shading::light::{Light, RoundLight};
 use crate::shading::texture::Picture;
 use crate::simd::Level;
-use description::{FilmDescription, Integrator, LuminousEfficacy, Material, Shadows};
+use description::{FilmDescription, Integrator, LuminousEfficacy, Material, Medium, Shadows};
 
 /// A scene ready to be traced. Made by [`Scene::build`]; nothing about it can fail from then on.
 #[derive(Debug)]
@@ -36,8 +37,12 @@ pub struct Scene {
     /// Material of each surface.
     pub(crate) material_of: Vec<u32>,
     pub(crate) materials: Vec<Material>,
-    /// Whether any of them is a pane, which shadow rays pass.
+    /// Whether any of them lets shadow rays pass.
     pub(crate) has_panes: bool,
+    /// Whether any of them encloses what scatters light.
+    pub(crate) is_cloudy: bool,
+    /// What is everywhere where no solid is.
+    pub(crate) medium: Option<Medium>,
     pub(crate) pictures: Vec<Picture>,
     /// What a ray from the camera stands for.
     pub(crate) cone: Cone,

@@ -2,6 +2,7 @@
 
 use super::Scene;
 use super::description::{Facets, Interior, Material, Principled, Scalar, Scattering, Texture};
+use crate::color::Rgb;
 use crate::shading::interaction::SurfaceInteraction;
 use crate::shading::texture::Role;
 use glam::Vec4Swizzles;
@@ -45,7 +46,7 @@ impl Reader<'_> {
 
     fn number(&mut self, name: &'static str, scalar: &Scalar) {
         let value = self.scene.look_up(&scalar.texture, self.at, Role::Data)[scalar.channel];
-        self.values.push((name, vec![value]));
+        self.values.push((name, vec![scalar.meant(value)]));
     }
 
     /// A part that is added to the rest, unless it is nowhere.
@@ -117,5 +118,9 @@ impl Reader<'_> {
         let Some(interior) = interior else { return };
         self.values.push(("index", vec![interior.index]));
         self.values.push(("absorption", interior.absorption.to_array().to_vec()));
+        if interior.scattering != Rgb::ZERO {
+            self.values.push(("scattering", interior.scattering.to_array().to_vec()));
+            self.values.push(("g", vec![interior.anisotropy]));
+        }
     }
 }

@@ -198,22 +198,20 @@ fn isothermal_room() -> SceneDescription {
     scene
 }
 
-/// The mean of each ninth of the picture.
+/// Each pixel of a picture.
 fn c21(readings: &mut Readings) {
+    const SIDE: u32 = 24;
     let mut scene = isothermal_room();
-    scene.film = FilmDescription { width: 48, height: 48, samples: 16, ..scene.film };
+    scene.film = FilmDescription { width: SIDE, height: SIDE, samples: 512, ..scene.film };
     let pictures: Vec<_> = (0..Readings::REPETITIONS)
         .map(|seed| {
             scene.film.seed = seed;
             picture(&scene).image
         })
         .collect();
-    for (x, y) in (0..3).flat_map(|y| (0..3).map(move |x| (x, y))) {
-        let mean = |seed: u64| {
-            let pixel = |i: u32| pictures[seed as usize].get(16 * x + i % 16, 16 * y + i / 16).x;
-            (0..256).map(|i| f64::from(pixel(i))).sum::<f64>() / 256.0
-        };
-        readings.repeated(format!("part {x}, {y}"), mean, 1.0);
+    for (x, y) in (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y))) {
+        let pixel = |seed: u64| f64::from(pictures[seed as usize].get(x, y).x);
+        readings.repeated(format!("pixel {x}, {y}"), pixel, 1.0);
     }
 }
 

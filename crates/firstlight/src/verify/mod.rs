@@ -24,6 +24,7 @@ mod sampling;
 pub mod scenes;
 pub mod shapes;
 mod statistics;
+mod volume;
 pub mod white;
 
 pub use geometry::{differing, escaped, reintersections, terminator};
@@ -67,6 +68,7 @@ pub const GROUPS: &[Group] = &[
     ("furnace", furnace::CASES),
     ("cavity", cavity::CASES),
     ("global-illumination", global_illumination::CASES),
+    ("volume", volume::CASES),
     ("cie171", cie171::CASES),
     ("geometry", geometry::CASES),
     ("material", material::CASES),

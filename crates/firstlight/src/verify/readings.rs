@@ -42,7 +42,7 @@ const FEWEST_SAMPLES: u32 = 1 << 14;
 /// Samples up to which it gets better than it has to be.
 const CHEAP_SAMPLES: u32 = 1 << 18;
 /// Samples that it does not go beyond.
-const MOST_SAMPLES: u32 = 1 << 24;
+const MOST_SAMPLES: u32 = 1 << 26;
 
 impl Reading {
     /// The difference relative to what is expected; as it is where nothing is expected.

@@ -39,7 +39,7 @@ fn m10(readings: &mut Readings) {
         // Where the ray leaves the slab, seen across the ray that would have gone straight on.
         let exit = inside / -inside.z;
         let across = exit - exit.dot(direction) * direction;
-        readings.exact(format!("{degrees}, shift"), across.length(), expected.into());
+        readings.exact(format!("{degrees}, shift"), across.length(), expected);
         let turned = refracted(inside, 1.0 / 1.5) - direction;
         readings.at_most(format!("{degrees}, turn"), turned.length().into(), 1e-5);
     }

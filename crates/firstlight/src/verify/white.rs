@@ -3,11 +3,6 @@
 use crate::color::Rgb;
 use crate::scene::description::*;
 
-/// A transparent solid of so high an index.
-fn interior(index: f32) -> Interior {
-    Interior { index, dispersion: 0.0, absorption: Rgb::ZERO, priority: 0 }
-}
-
 /// Round facets of a roughness.
 fn rough(roughness: f32) -> Facets {
     Facets::of(Scalar::constant(roughness))
@@ -19,7 +14,7 @@ fn of(name: &str, scattering: Scattering) -> Material {
 
 /// A solid of glass.
 pub fn glass(index: f32, roughness: f32) -> Material {
-    let interior = Some(interior(index));
+    let interior = Some(Interior::clear(index));
     Material { interior, ..of("glass", Scattering::Dielectric { facets: rough(roughness) }) }
 }
 
@@ -33,7 +28,8 @@ pub fn pane(index: f32) -> Material {
     of("pane", Scattering::ThinGlass { index })
 }
 
-fn principled(name: &str, change: impl FnOnce(&mut Principled)) -> Material {
+/// glTF's surface, white and no metal, but for what is changed.
+pub fn principled(name: &str, change: impl FnOnce(&mut Principled)) -> Material {
     let mut p = Principled { metallic: Scalar::constant(0.0), ..Principled::default() };
     change(&mut p);
     of(name, Scattering::Principled(Box::new(p)))
@@ -55,7 +51,7 @@ pub fn materials(roughness: f32) -> Vec<Material> {
         principled("plastic", |p| p.facets = facets()),
         principled("pane", |p| (p.transmission, p.facets) = (number(1.0), facets())),
         Material {
-            interior: Some(interior(1.5)),
+            interior: Some(Interior::clear(1.5)),
             ..principled("half glass", |p| (p.transmission, p.facets) = (number(0.5), facets()))
         },
         principled("layers", |p| {

@@ -69,7 +69,7 @@ impl<'a> Occlusion<'a> {
             } else if transparent {
                 samples[walk.sample as usize].alpha = 0.0;
             } else {
-                add(samples, recorder, walk.gain(0, Source::Background, scene.background));
+                add(scene, samples, recorder, walk.gain(0, Source::Background, scene.background));
             }
         }
     }

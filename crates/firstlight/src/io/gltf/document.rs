@@ -52,6 +52,7 @@ pub(super) struct Document {
 #[derive(Debug, Default, Deserialize)]
 struct Asset {
     version: Option<String>,
+    generator: Option<String>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -523,6 +524,13 @@ fn check_density(json: &[u8], name: &str) -> Result<()> {
 struct AssetOnly {
     #[serde(default)]
     asset: Asset,
+}
+
+impl Document {
+    /// The program that wrote the file, as it calls itself.
+    pub(super) fn generator(&self) -> &str {
+        self.asset.generator.as_deref().unwrap_or_default()
+    }
 }
 
 impl Asset {

@@ -359,6 +359,10 @@ impl Reader<'_, '_, '_> {
         let strength = extensions.emissive_strength.as_ref().and_then(|e| e.emissive_strength);
         let strength = strength.map_or(1.0, |strength| strength.0);
         let [r, g, b] = material.emissive_factor.map_or([0.0; 3], plain);
+        if strength == 0.0 && [r, g, b] != [0.0; 3] {
+            let part = format!("{}.extensions.KHR_materials_emissive_strength", self.part);
+            self.notes.add(part, "its emissiveStrength is 0: it emits nothing");
+        }
         let factor = [r, g, b].map(|channel| channel * strength);
         if factor.iter().any(|channel| !(0.0..f32::INFINITY).contains(channel)) {
             let cause = format!("emits {factor:?}; each channel must be at least 0 and finite");
@@ -456,10 +460,9 @@ fn interior(extensions: &MaterialExtensions) -> Option<Interior> {
     let distance = volume.attenuation_distance.map_or(f32::INFINITY, |distance| distance.0);
     let dispersion = extensions.dispersion.as_ref().and_then(|e| e.dispersion);
     Some(Interior {
-        index: ior.max(1.0),
         // The extension's number is 20 over the Abbe number.
         dispersion: dispersion.map_or(0.0, |dispersion| dispersion.0.max(0.0) / 20.0),
         absorption: Interior::absorption(color, distance.max(f32::MIN_POSITIVE)),
-        priority: 0,
+        ..Interior::clear(ior.max(1.0))
     })
 }

@@ -22,11 +22,15 @@ mod notes;
 mod picture;
 #[cfg(test)]
 mod tests;
+mod units;
 mod uri;
 mod variants;
 mod view;
 
+pub use units::LightUnits;
+
 use crate::diagnostic::{Diagnostic, Result};
+use crate::io::model::Options;
 use crate::io::{FileAccess, Warnings};
 use crate::scene::description::{SceneDescription, Shape, Surface};
 use data::Data;
@@ -39,10 +43,9 @@ use notes::Notes;
 
 /// Reads a glTF 2.0 document or a GLB (told apart by its first bytes); `name` is for messages.
 ///
-/// `variant`: which of the file's looks is shown (KHR_materials_variants); `None`: the one that it has without.
 /// Each primitive becomes one mesh, shared by all nodes that show it, and each node's primitive one surface with
 /// the node's name. Axes stay glTF's: Y up, metres. Buffers and pictures beside the document are opened through
-/// `access`. Lights are converted to radiometric units with the scene's luminous efficacy.
+/// `access`. Lights are converted to radiometric units with the luminous efficacy of `options`.
 ///
 /// # Errors
 /// If the document, a buffer or a reference in it is broken, or it requires an extension that is not supported.
@@ -50,7 +53,7 @@ use notes::Notes;
 pub fn read(
     bytes: &[u8],
     name: &str,
-    variant: Option<&str>,
+    options: Options<'_>,
     access: &FileAccess,
     warnings: &mut Warnings,
 ) -> Result<SceneDescription> {
@@ -59,8 +62,11 @@ pub fn read(
     let mut notes = Notes::new(name);
     extension::check(&document, name, &mut notes)?;
     let data = Data::load(&document, contents.binary, name, access)?;
-    let variant = variant.map(|variant| variants::find(&data, variant)).transpose()?;
-    let scene = Builder::new(&data, variant, &mut notes).build()?;
+    let variant = options.variant.map(|variant| variants::find(&data, variant)).transpose()?;
+    let lights = LightUnits::choose(options.lights, &data, &mut notes);
+    let mut builder = Builder::new(&data, variant, lights, &mut notes);
+    builder.scene.luminous_efficacy = options.luminous_efficacy;
+    let scene = builder.build()?;
     notes.finish(warnings);
     Ok(scene)
 }
@@ -71,16 +77,23 @@ struct Builder<'a, 'n, 'f> {
     notes: &'n mut Notes<'f>,
     meshes: Meshes<'a>,
     materials: Materials,
+    lights: LightUnits,
     scene: SceneDescription,
     /// Bytes that surfaces may still take.
     left: u64,
 }
 
 impl<'a, 'n, 'f> Builder<'a, 'n, 'f> {
-    fn new(data: &'a Data<'a>, variant: Option<u32>, notes: &'n mut Notes<'f>) -> Self {
+    fn new(
+        data: &'a Data<'a>,
+        variant: Option<u32>,
+        lights: LightUnits,
+        notes: &'n mut Notes<'f>,
+    ) -> Self {
         let (meshes, materials) = (Meshes::new(data, variant), Materials::new(data));
         let left = data.access.limits.decoded_bytes;
-        Self { data, notes, meshes, materials, scene: SceneDescription::default(), left }
+        let scene = SceneDescription::default();
+        Self { data, notes, meshes, materials, lights, scene, left }
     }
 
     fn build(mut self) -> Result<SceneDescription> {
@@ -143,7 +156,8 @@ impl<'a, 'n, 'f> Builder<'a, 'n, 'f> {
         let light = placed.node.extensions.as_ref().and_then(|e| e.light.as_ref());
         let Some(light) = light else { return Ok(()) };
         let efficacy = self.scene.luminous_efficacy.0;
-        let light = view::light(self.data, placed, light.light, efficacy, self.notes)?;
+        let units = (self.lights, efficacy);
+        let light = view::light(self.data, placed, light.light, units, self.notes)?;
         self.scene.lights.extend(light);
         Ok(())
     }

@@ -4,6 +4,7 @@ use super::data::Data;
 use super::document::{self, Real, plain};
 use super::nodes::Placed;
 use super::notes::Notes;
+use super::units::LightUnits;
 use crate::color::Rgb;
 use crate::diagnostic::Result;
 use crate::scene::description::{
@@ -66,7 +67,7 @@ fn projection(data: &Data, camera: &document::Camera, index: u32) -> Result<Proj
     }
 }
 
-/// The light at a node, along the node's −Z; `efficacy` in lm/W makes candela and lux radiometric.
+/// The light at a node, along the node's −Z. Its units, with an efficacy in lm/W, make its strength radiometric.
 ///
 /// # Errors
 /// If it does not exist, has an unknown type or a strength or cone that makes no sense.
@@ -74,13 +75,14 @@ pub(super) fn light(
     data: &Data,
     placed: &Placed,
     index: u32,
-    efficacy: f64,
+    (units, efficacy): (LightUnits, f64),
     notes: &mut Notes,
 ) -> Result<Option<LightDescription>> {
     let part = format!("nodes[{}].extensions.KHR_lights_punctual.light", placed.index);
     let light = data.at(&data.document.extensions.lights.lights, index, "light", &part)?;
     let own = format!("extensions.KHR_lights_punctual.lights[{index}]");
-    let strength = strength(data, light, efficacy, &own)?;
+    let (factor, unit) = units.of(light.kind == "directional", efficacy);
+    let strength = strength(data, light, factor, &own)?;
     let position = placed.transform.translation;
     let axis = direction(placed, DVec3::NEG_Z);
     let aimed = match (light.kind.as_str(), axis) {
@@ -98,13 +100,15 @@ pub(super) fn light(
     };
     let name = placed.node.name.clone().or_else(|| light.name.clone());
     let name = name.unwrap_or_else(|| format!("light {index}"));
-    Ok(Some(LightDescription::new(name, aimed)))
+    let written = format!("{} {unit}", light.intensity.unwrap_or(Real(1.0)).0);
+    Ok(Some(LightDescription { written, ..LightDescription::new(name, aimed) }))
 }
 
-fn strength(data: &Data, light: &document::Light, efficacy: f64, part: &str) -> Result<Rgb> {
+/// Radiometric channels; `factor` is what 1 stands for.
+fn strength(data: &Data, light: &document::Light, factor: f64, part: &str) -> Result<Rgb> {
     let color = Rgb::from_array(light.color.map_or([1.0; 3], plain));
     let intensity = light.intensity.unwrap_or(Real(1.0)).0;
-    let strength = color * (f64::from(intensity) / efficacy) as f32;
+    let strength = color * (f64::from(intensity) * factor) as f32;
     if strength.is_finite() && color.min_element() >= 0.0 && intensity >= 0.0 {
         return Ok(strength);
     }

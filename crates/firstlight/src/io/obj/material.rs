@@ -86,7 +86,7 @@ fn warn_undescribed(used: &IndexMap<String, Place>, library: &Library, warnings:
         quoted(first.as_bytes())
     );
     let help = did_you_mean(first, library.materials.keys().map(String::as_str));
-    warnings.push(Diagnostic { message, place: place.clone(), help });
+    warnings.push(Diagnostic { message, place: place.clone(), help, ..Diagnostic::default() });
 }
 
 /// Makes materials and counts what cannot be shown.
@@ -171,12 +171,7 @@ impl Maker<'_> {
         Material {
             reflectance: Texture::constant(tint),
             scattering: Scattering::Principled(Box::new(principled)),
-            interior: Some(Interior {
-                index: ior,
-                dispersion: 0.0,
-                absorption: Rgb::ZERO,
-                priority: 0,
-            }),
+            interior: Some(Interior::clear(ior)),
             alpha: Alpha::Opaque,
             ..matte
         }

@@ -111,7 +111,7 @@ impl Library {
         if named.len() > MOST_LIBRARIES {
             let place = named.values().last().cloned().unwrap_or_default();
             let message = format!("only the first {MOST_LIBRARIES} material files are opened");
-            warnings.push(Diagnostic { message, place, help: None });
+            warnings.push(Diagnostic { message, place, ..Diagnostic::default() });
         }
         library.warn(warnings);
         Ok(library)
@@ -165,7 +165,7 @@ fn missing(file: &str, error: &Diagnostic, place: &Place) -> Diagnostic {
     let message =
         format!("cannot use the material file {}: {}", quoted(file.as_bytes()), error.message);
     let help = Some("its materials are shown in matte grey".into());
-    Diagnostic { message, place: place.clone(), help }
+    Diagnostic { message, place: place.clone(), help, ..Diagnostic::default() }
 }
 
 impl Mtl {

@@ -53,7 +53,7 @@ pub(super) trait Values {
 
     /// A complaint about the value that comes next.
     fn complain(&self, name: &str, message: String) -> Box<Diagnostic> {
-        Box::new(Diagnostic { message, place: self.place(name), help: None })
+        Box::new(Diagnostic { message, place: self.place(name), ..Diagnostic::default() })
     }
 }
 

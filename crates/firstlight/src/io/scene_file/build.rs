@@ -7,9 +7,10 @@ use super::luminaire::Luminaires;
 use super::material::MaterialKeys;
 use super::pictures::Pictures;
 use super::surface::{NewShape, SurfaceKeys};
-use super::{InstanceKeys, ModelKeys, SceneKeys, look, transform};
+use super::{InstanceKeys, ModelKeys, SceneKeys, look, medium, transform};
 use crate::color::Rgb;
 use crate::diagnostic::{Diagnostic, Result};
+use crate::io::gltf::LightUnits;
 use crate::io::model::{self, Format, UpAxis, upright};
 use crate::io::{FileAccess, Warnings};
 use crate::scene::description::{
@@ -36,11 +37,14 @@ pub(super) struct Builder<'a> {
     materials: HashMap<String, usize>,
     /// The grey of surfaces without a material, once one is needed.
     default_material: Option<usize>,
-    /// Model files that were read, by file and variant.
-    models: HashMap<(PathBuf, Option<String>), (Part, Format)>,
+    /// Model files that were read, by how they were.
+    models: HashMap<ModelKey, (Part, Format)>,
     /// Which surfaces each surface or model became, for instances.
     placed: IndexMap<String, Range<usize>>,
 }
+
+/// A model file, its variant, and the units of its lights.
+type ModelKey = (PathBuf, Option<String>, Option<LightUnits>);
 
 /// Builds the scene that is written in `keys`.
 pub(super) fn build(
@@ -56,6 +60,7 @@ pub(super) fn build(
         integrator: keys.integrator.0,
         shadows: keys.shadows,
         background: keys.background.0,
+        medium: keys.medium.map(|keys| keys.describe(document)).transpose()?,
         luminous_efficacy: LuminousEfficacy(efficacy),
         ..SceneDescription::default()
     };
@@ -95,6 +100,7 @@ pub(super) fn build(
     look::apply(keys.look, keys.section, document, &mut builder.scene)?;
     warnings.extend(builder.scene.leave_out_far_triangles(document.name));
     warnings.extend(unheeded_shadows(&builder.scene, document.name));
+    warnings.extend(medium::doubts(&builder.scene, document.name));
     Ok(builder.scene)
 }
 
@@ -229,7 +235,7 @@ impl Builder<'_> {
         if self.placed.contains_key(&name) {
             return Err(self.document.error(&span, "has the name of a surface; choose another"));
         }
-        let file = self.load(&keys.file, keys.variant.as_ref(), warnings)?;
+        let file = self.load(&keys, warnings)?;
         let Some((part, format)) = self.models.get(&file) else { return Ok(()) };
         self.check_visible(part, &keys.file.span, warnings)?;
         let own = transform::compose(keys.transform.as_ref(), self.document)?;
@@ -245,19 +251,20 @@ impl Builder<'_> {
     }
 
     /// Reads a variant of a model file unless it was read before; returns the key to `models`.
-    fn load(
-        &mut self,
-        file: &At<String>,
-        variant: Option<&At<String>>,
-        warnings: &mut Warnings,
-    ) -> Result<(PathBuf, Option<String>)> {
-        let At { span, value: name } = file;
+    fn load(&mut self, keys: &ModelKeys, warnings: &mut Warnings) -> Result<ModelKey> {
+        let At { span, value: name } = &keys.file;
+        let variant = keys.variant.as_ref();
         let path = self.document.open(span, self.access.resolve(name))?;
         let real = path.canonicalize().unwrap_or_else(|_| path.clone());
-        let key = (real, variant.map(|variant| variant.value.clone()));
+        let key = (real, variant.map(|variant| variant.value.clone()), keys.gltf_lights);
         if !self.models.contains_key(&key) {
             let access = self.access.within(&path);
-            let read = model::read_with_format(&path, key.1.as_deref(), &access, warnings);
+            let options = model::Options {
+                variant: key.1.as_deref(),
+                lights: key.2,
+                luminous_efficacy: self.scene.luminous_efficacy,
+            };
+            let read = model::read_with_format(&path, options, &access, warnings);
             let (model, format) = self.placed_where_named(span, read)?;
             let part = self.scene.adopt(model);
             self.models.insert(key.clone(), (part, format));

@@ -71,7 +71,12 @@ impl<'a> Document<'a> {
             let (message, help) = complaint::reword(error.message(), &path);
             let message = self.about(&span, &path, message);
             let help = help.or_else(|| self.meant(&span));
-            Box::new(Diagnostic { message, place: self.place(&span), help })
+            Box::new(Diagnostic {
+                message,
+                place: self.place(&span),
+                help,
+                ..Diagnostic::default()
+            })
         })
     }
 
@@ -79,7 +84,7 @@ impl<'a> Document<'a> {
     pub(super) fn error(&self, span: &Span, predicate: impl AsRef<str>) -> Box<Diagnostic> {
         let path = self.path(span);
         let message = self.about(span, &path, format!("{path} {}", predicate.as_ref()));
-        Box::new(Diagnostic { message, place: self.place(span), help: None })
+        Box::new(Diagnostic { message, place: self.place(span), ..Diagnostic::default() })
     }
 
     /// A file's content, or the complaint about it where the file is named.
@@ -99,7 +104,7 @@ impl<'a> Document<'a> {
         let table = DeTable::parse(self.text).map_err(|error| {
             let place = self.place(&error.span().unwrap_or_default());
             let help = complaint::syntax_help(error.message());
-            Diagnostic { message: error.message().to_owned(), place, help }
+            Diagnostic { message: error.message().to_owned(), place, help, ..Diagnostic::default() }
         })?;
         let mut tree = Spanned::new(table.span(), DeValue::Table(table.into_inner()));
         let mut offset = self.text.len() + 1;

@@ -34,6 +34,9 @@ pub(super) struct FilmKeys {
     view: ViewKeys,
     /// Whether the background becomes transparent. Default false.
     transparent: bool,
+    /// The most radiance that light scattered more than once may bring along one path, W·sr⁻¹·m⁻²: darker, with less noise.
+    /// What it removes is reported. Default none.
+    clamp: Option<Bound>,
     /// Seed of every random number, 0 to 2^63 - 1. Default 0.
     seed: u64,
 }
@@ -48,6 +51,7 @@ impl Default for FilmKeys {
             exposure: ExposureKeys(film.exposure),
             view: ViewKeys(film.view),
             transparent: film.transparent,
+            clamp: film.clamp.map(Bound),
             seed: film.seed,
         }
     }
@@ -64,6 +68,7 @@ impl FilmKeys {
             exposure: self.exposure.0,
             view: self.view.0,
             transparent: self.transparent,
+            clamp: self.clamp.map(|Bound(most)| most),
             seed: self.seed,
         }
     }
@@ -235,7 +240,25 @@ impl Written for Fraction {
     }
 }
 
+/// A radiance greater than 0.
+#[derive(Debug, Clone, Copy)]
+struct Bound(f64);
+
+impl Written for Bound {
+    const EXPECTED: &'static str = "a radiance greater than 0";
+    fn from_number(number: f64) -> Checked<Self> {
+        if number > 0.0 {
+            return Ok(Self(number));
+        }
+        Err(format!("must be greater than 0, not {number}"))
+    }
+    fn from_text(text: &str) -> Checked<Self> {
+        Number::from_text(text).and_then(|Number(number)| Self::from_number(number))
+    }
+}
+
 written! {
+    Bound: { "type": "number", "exclusiveMinimum": 0 }
     Pixels: { "type": "number", "exclusiveMinimum": 0.01, "maximum": LARGEST_RADIUS }
     Fraction: { "type": "number", "minimum": 0, "maximum": 1 }
 }

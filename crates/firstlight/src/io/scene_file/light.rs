@@ -10,7 +10,7 @@ use crate::scene::description::{CameraLightAmount, Light, LightDescription, Spot
 use crate::units::written::{
     Angle, Checked, Direction, Point, Size, WITH_UNIT, Written, WrittenVisitor, quantity, units_of,
 };
-use crate::units::{Dimension, Measure};
+use crate::units::{self, Dimension, Measure};
 use glam::DVec3;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
@@ -242,6 +242,51 @@ impl<D: Dimensioned> JsonSchema for Amount<D> {
     }
 }
 
+impl<D: Dimensioned> Amount<D> {
+    /// As it was written, in SI units.
+    fn written(&self) -> String {
+        let unit = |measure| units::unit(D::DIMENSION, measure);
+        match self {
+            Self::Seen(value, _) => units::format(*value, unit(Measure::Photometric)),
+            Self::Energy(v) if v.x == v.y && v.y == v.z => {
+                units::format(v.x, unit(Measure::Radiometric))
+            }
+            Self::Energy(v) => {
+                format!("[{}, {}, {}] {}", v.x, v.y, v.z, unit(Measure::Radiometric))
+            }
+        }
+    }
+}
+
+impl LightKeys {
+    /// The light's quantity as it was written.
+    fn written(&self) -> String {
+        let first = |options: [Option<String>; 3]| options.into_iter().flatten().next();
+        let written = match self {
+            Self::Point(At { value, .. }) => {
+                first([text(value.power.as_ref()), text(value.intensity.as_ref()), None])
+            }
+            Self::Spot(At { value, .. }) => Some(value.intensity.value.written()),
+            Self::Photometric(At { value, .. }) => {
+                first([text(value.power.as_ref()), Some("as measured".into()), None])
+            }
+            Self::Directional(At { value, .. }) => Some(value.irradiance.value.written()),
+            Self::Sun(At { value, .. }) => Some(value.irradiance.value.written()),
+            Self::Ambient(At { value, .. }) => Some(value.radiance.value.written()),
+            Self::Camera(At { value, .. }) => first([
+                text(value.irradiance.as_ref()),
+                text(value.intensity.as_ref()),
+                text(value.power.as_ref()),
+            ]),
+        };
+        written.unwrap_or_default()
+    }
+}
+
+fn text<D: Dimensioned>(amount: Option<&At<Amount<D>>>) -> Option<String> {
+    amount.map(|amount| amount.value.written())
+}
+
 /// What turns written amounts into radiometric channels.
 pub(super) struct Lighting<'a> {
     pub(super) document: &'a Document<'a>,
@@ -258,6 +303,7 @@ impl Lighting<'_> {
         keys: LightKeys,
         luminaires: &mut Luminaires<'_>,
     ) -> Result<LightDescription> {
+        let written = keys.written();
         let (light, shadows, radius) = match keys {
             LightKeys::Point(At { span, value }) => {
                 let (shadows, radius) = (value.shadows, value.radius);
@@ -290,7 +336,7 @@ impl Lighting<'_> {
             }
         };
         let (shadows, radius) = (shadows.unwrap_or(true), radius.map_or(0.0, |Size(r)| r));
-        Ok(LightDescription { name: name.into(), light, shadows, radius })
+        Ok(LightDescription { name: name.into(), light, shadows, radius, written })
     }
 
     fn point(&self, keys: PointKeys, light: &Span) -> Result<Light> {

@@ -33,7 +33,7 @@ pub(super) struct PhotometricKeys {
     /// Turn around its axis, anticlockwise seen from above when it hangs. Default 0: C0 is x.
     rotation: Option<Angle>,
     /// All that it gives: W or lm. Default: what was measured.
-    power: Option<At<Amount<Power>>>,
+    pub(super) power: Option<At<Amount<Power>>>,
     /// Multiplies what was measured. Default 1.
     strength: Option<Strength>,
     /// Its colour. Default white.

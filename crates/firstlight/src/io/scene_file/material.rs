@@ -3,13 +3,14 @@
 use super::color::{Color, Reflectance, TextureKeys};
 use super::document::At;
 use super::film::Fraction;
+use super::medium::MediumKeys;
 use super::pictures::Pictures;
 use super::substance::{Abbe, Index, Metal};
 use crate::color::Rgb;
 use crate::diagnostic::Result;
 use crate::scene::description::{
-    Alpha, ComplexIndex, Facets, Interior, Material, NormalMap, Principled, Scalar, Scattering,
-    Texture,
+    Alpha, ComplexIndex, Facets, Interior, Material, Medium, NormalMap, Principled, Scalar,
+    Scattering, Texture,
 };
 use crate::units::written::{Angle, Length, Number, Size};
 use schemars::JsonSchema;
@@ -34,6 +35,8 @@ pub(super) enum MaterialKeys {
     Principled(Box<PrincipledKeys>),
     /// Two other materials at once.
     Mix(Box<MixKeys>),
+    /// Fog, smoke: a closed surface that is filled with it and is not there itself.
+    Medium(Box<MediumKeys>),
 }
 
 /// A struct with the keys that all materials have.
@@ -157,6 +160,8 @@ DielectricKeys {
     attenuation_color: Option<Color>,
     /// How far light goes until it has `attenuation_color`. Default 1 m.
     attenuation_distance: Option<Size>,
+    /// What else is inside and scatters light, such as fog in a bulb, milk in water. Default: nothing.
+    medium: Option<MediumKeys>,
     /// Where solids overlap, the highest counts, such as glass over the liquid in it. Default 0.
     priority: Option<i32>,
 }
@@ -276,7 +281,14 @@ impl MaterialKeys {
                 let color = pictures.texture(keys.color.take(), Rgb::ONE)?;
                 let facets = Facets::of(pictures.scalar(keys.roughness.take(), 0.0)?);
                 let index = keys.index.take().unwrap_or(Index::GLASS);
-                let interior = Some(interior!(keys, index));
+                let mut interior = interior!(keys, index);
+                if let Some(medium) = keys.medium.take() {
+                    let Medium { absorption, scattering, anisotropy } =
+                        medium.describe(pictures.document)?;
+                    interior.absorption += absorption;
+                    (interior.scattering, interior.anisotropy) = (scattering, anisotropy);
+                }
+                let interior = Some(interior);
                 let glass = Scattering::Dielectric { facets };
                 Ok(Material { interior, ..keys.finish(name, color, glass, pictures)? })
             }
@@ -286,6 +298,7 @@ impl MaterialKeys {
                 keys.finish(name, color, Scattering::ThinGlass { index }, pictures)
             }
             Self::Principled(keys) => keys.describe(name, pictures),
+            Self::Medium(keys) => keys.material(name, pictures.document),
             Self::Mix(mut keys) => {
                 let ((materials, interior), white) = (parts, Texture::constant(Rgb::ONE));
                 let amount = pictures.scalar(keys.amount.take(), 0.5)?;
@@ -394,9 +407,9 @@ fn interior(
     let (Color(color), Size(distance)) =
         (color.unwrap_or(Color(Rgb::ONE)), distance.unwrap_or(Size(1.0)));
     Interior {
-        index,
         dispersion: abbe.map_or(0.0, |Abbe(abbe)| 1.0 / abbe),
         absorption: Interior::absorption(color, distance as f32),
         priority: priority.unwrap_or(0),
+        ..Interior::clear(index)
     }
 }

@@ -15,6 +15,7 @@ mod light;
 mod look;
 mod luminaire;
 mod material;
+mod medium;
 mod overrides;
 mod pictures;
 mod substance;
@@ -29,6 +30,7 @@ pub use overrides::Override;
 use self::color::Color;
 use crate::color::Rgb;
 use crate::diagnostic::{Diagnostic, Result};
+use crate::io::gltf::LightUnits;
 use crate::io::model::UpAxis;
 use crate::io::{FileAccess, Warnings};
 use crate::scene::description::{LuminousEfficacy, SceneDescription, Shadows};
@@ -42,6 +44,7 @@ use film::FilmKeys;
 use light::LightKeys;
 use look::{LookName, SectionKeys};
 use material::MaterialKeys;
+use medium::MediumKeys;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use surface::SurfaceKeys;
@@ -136,6 +139,8 @@ struct SceneKeys {
     background: Color,
     /// Light from directions that hit nothing. Default: none.
     environment: Option<At<EnvironmentKeys>>,
+    /// What is everywhere where no solid is, such as fog. Default: nothing.
+    medium: Option<MediumKeys>,
     /// How light is gathered. Default "direct".
     integrator: IntegratorKeys,
     /// What the picture is for: "clarity", "balanced" or "real". Default: as integrator and lights say.
@@ -170,6 +175,7 @@ impl Default for SceneKeys {
             up: UpAxis::default(),
             background: Color(Rgb::ZERO),
             environment: None,
+            medium: None,
             integrator: IntegratorKeys::default(),
             look: None,
             section: None,
@@ -197,6 +203,8 @@ struct ModelKeys {
     material: Option<At<String>>,
     /// Which of its looks is shown, if it is a glTF file with variants.
     variant: Option<At<String>>,
+    /// In which units its lights are, if it is a glTF file. Default: as its generator is known to write them, else "spec".
+    gltf_lights: Option<LightUnits>,
     /// Length of 1 in the file. Default 1 m.
     unit: Option<FileUnit>,
     /// Which axis of the file points up. Default: y for glTF, OBJ and PLY, z for STL.

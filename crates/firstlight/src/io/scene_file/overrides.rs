@@ -146,7 +146,7 @@ impl Override {
     }
 
     fn error(&self, message: String) -> Box<Diagnostic> {
-        Box::new(Diagnostic { message, place: self.place(), help: None })
+        Box::new(Diagnostic { message, place: self.place(), ..Diagnostic::default() })
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::PhotometricWeb;
 use crate::color::Rgb;
+use crate::units::Dimension;
 use glam::{DQuat, DVec3};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -19,12 +20,14 @@ pub struct LightDescription {
     /// Radius of the sphere that shines in place of a point, spot or measured luminaire, m, and gives the same from afar;
     /// 0: none does. It is not seen, and does nothing without shadows.
     pub radius: f64,
+    /// Its quantity as its file has it, with the unit, such as `800 lm`; empty if it comes from no file.
+    pub written: String,
 }
 
 impl LightDescription {
     /// A light that casts shadows and has no radius.
     pub fn new(name: impl Into<String>, light: Light) -> Self {
-        Self { name: name.into(), light, shadows: true, radius: 0.0 }
+        Self { name: name.into(), light, shadows: true, radius: 0.0, written: String::new() }
     }
 
     /// Whether it is ambient light that near surfaces keep out.
@@ -102,6 +105,52 @@ pub enum Light {
         /// How its light reaches a surface.
         amount: CameraLightAmount,
     },
+}
+
+impl Light {
+    /// The kind of light, as it is called in scene files.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Point { .. } => "point",
+            Self::Spot { .. } => "spot",
+            Self::Photometric { .. } => "photometric",
+            Self::Directional { .. } => "directional",
+            Self::Sun { .. } => "sun",
+            Self::Ambient { .. } => "ambient",
+            Self::Camera { .. } => "camera",
+        }
+    }
+
+    /// What its quantity is, and how much it gives in its brightest direction, in SI units of energy.
+    pub fn quantity(&self) -> (Dimension, Rgb) {
+        use CameraLightAmount as At;
+        match self {
+            Self::Point { intensity, .. }
+            | Self::Spot { intensity, .. }
+            | Self::Camera { amount: At::Intensity(intensity) } => {
+                (Dimension::Intensity, *intensity)
+            }
+            Self::Photometric { web, factor, .. } => {
+                (Dimension::Intensity, *factor * web.brightest())
+            }
+            Self::Directional { irradiance, .. }
+            | Self::Sun { irradiance, .. }
+            | Self::Camera { amount: At::Irradiance(irradiance) } => {
+                (Dimension::Irradiance, *irradiance)
+            }
+            Self::Ambient { radiance, .. } => (Dimension::Radiance, *radiance),
+        }
+    }
+
+    /// Where it is, m; `None` if it is everywhere alike, infinitely far away or at the camera.
+    pub fn position(&self) -> Option<DVec3> {
+        match self {
+            Self::Point { position, .. }
+            | Self::Spot { position, .. }
+            | Self::Photometric { position, .. } => Some(*position),
+            _ => None,
+        }
+    }
 }
 
 /// The strength of a light at the camera.

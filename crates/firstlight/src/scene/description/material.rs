@@ -1,5 +1,6 @@
 //! Materials and textures as plain data.
 
+use super::Medium;
 use crate::color::Rgb;
 use glam::{Affine2, Vec2};
 use schemars::JsonSchema;
@@ -104,10 +105,14 @@ impl Material {
         Self { scattering, ..Self::matte(name, Rgb::ZERO) }
     }
 
-    /// Whether it scatters like a matte ground, and nothing bends its normals.
+    /// Whether it scatters like a matte ground and nothing else.
     pub fn is_matte(&self) -> bool {
-        let is_flat = self.normal.is_none() && self.bump.is_none();
-        is_flat && matches!(&self.scattering, Scattering::Matte { roughness } if roughness.is(0.0))
+        matches!(&self.scattering, Scattering::Matte { roughness } if roughness.is(0.0))
+    }
+
+    /// Whether a picture bends its normals.
+    pub fn has_relief(&self) -> bool {
+        self.normal.is_some() || self.bump.is_some()
     }
 
     /// Whether light passes it without being turned aside: panes of glass, which cast no shadow but their tint.
@@ -120,6 +125,18 @@ impl Material {
             }
             _ => false,
         }
+    }
+
+    /// Whether light passes it on its straight way: panes, and what bounds a medium without bending light.
+    pub fn passes_light(&self) -> bool {
+        let bends = |interior: &Interior| (interior.index - 1.0).abs() >= Interior::NOTHING;
+        let smooth = matches!(&self.scattering, Scattering::Dielectric { facets } if facets.roughness.is(0.0));
+        self.is_pane() || smooth && self.interior.as_ref().is_some_and(|interior| !bends(interior))
+    }
+
+    /// Whether what it encloses scatters light.
+    pub fn is_cloudy(&self) -> bool {
+        self.interior.is_some_and(|interior| interior.scattering != Rgb::ZERO)
     }
 
     /// Whether much of what it shows comes from one direction or through it, so that the integrator `direct`, which
@@ -249,11 +266,30 @@ pub struct Interior {
     pub dispersion: f32,
     /// What is absorbed per length, m⁻¹ (Beer & Lambert).
     pub absorption: Rgb,
+    /// What is scattered per length, m⁻¹.
+    pub scattering: Rgb,
+    /// Mean cosine of the angle that it is scattered by; see [`Medium::anisotropy`].
+    pub anisotropy: f32,
     /// Where solids overlap, the highest counts; of equals, the one that light entered last.
     pub priority: i32,
 }
 
 impl Interior {
+    /// Nearer to 1 than this, a ratio of indices turns no light aside.
+    pub(crate) const NOTHING: f32 = 1e-4;
+
+    /// Clear, of this index.
+    pub fn clear(index: f32) -> Self {
+        let (absorption, scattering) = (Rgb::ZERO, Rgb::ZERO);
+        Self { index, dispersion: 0.0, absorption, scattering, anisotropy: 0.0, priority: 0 }
+    }
+
+    /// What it does to light on its way.
+    pub(crate) fn medium(&self) -> Medium {
+        let Self { absorption, scattering, anisotropy, .. } = *self;
+        Medium { absorption, scattering, anisotropy }
+    }
+
     /// The index of a channel: red is that of the hydrogen line C, blue that of F, green lies between
     /// (KHR_materials_dispersion).
     pub fn index_of(&self, channel: usize) -> f32 {
@@ -265,12 +301,6 @@ impl Interior {
     /// black is as good as that.
     pub fn absorption(color: Rgb, distance: f32) -> Rgb {
         color.map(|channel| (-channel.clamp(1e-9, 1.0).ln() / distance).max(0.0))
-    }
-
-    /// The fraction of light that is left after a distance, m.
-    pub(crate) fn transmittance(&self, distance: f32) -> Rgb {
-        // Where nothing is absorbed, nothing is on the way to infinity either.
-        self.absorption.map(|k| if k > 0.0 { (-k * distance).exp() } else { 1.0 })
     }
 }
 

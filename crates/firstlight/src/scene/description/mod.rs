@@ -8,6 +8,7 @@ mod environment;
 mod fingerprint;
 mod light;
 mod material;
+mod medium;
 mod mesh;
 mod photometry;
 mod place;
@@ -20,6 +21,7 @@ pub use material::{
     Alpha, BumpAmount, BumpMap, ComplexIndex, Facets, Interior, Material, NormalMap, Pattern,
     Pixels, Principled, Sampling, Scalar, Scattering, Texels, Texture, UvTransform, Wrap,
 };
+pub use medium::Medium;
 pub use mesh::Mesh;
 pub use photometry::{Goniometer, PhotometricWeb};
 pub use place::Part;
@@ -50,6 +52,8 @@ pub struct SceneDescription {
     pub background: Rgb,
     /// Light from directions that hit nothing.
     pub environment: Option<EnvironmentDescription>,
+    /// What is everywhere where no solid is; `None`: nothing.
+    pub medium: Option<Medium>,
     /// Lumens per watt used to convert between photometric and radiometric units.
     pub luminous_efficacy: LuminousEfficacy,
     /// Decoded pictures that textures refer to.

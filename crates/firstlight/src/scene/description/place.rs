@@ -57,6 +57,7 @@ impl SceneDescription {
             light: moved_light(&light.light, transform),
             shadows: light.shadows,
             radius: light.radius * growth(transform),
+            written: light.written.clone(),
         }));
         self.cameras.extend(part.cameras.iter().map(|camera| CameraDescription {
             name: full_name(&camera.name),

@@ -64,6 +64,9 @@ pub struct FilmDescription {
     pub view: View,
     /// Whether the background becomes alpha 0.
     pub transparent: bool,
+    /// The most that light may bring to the eye, in any channel, that was scattered more than once on its way, W·sr⁻¹·m⁻²;
+    /// what is above that is left out, with its noise.
+    pub clamp: Option<f64>,
     /// Seed of every random number.
     pub seed: u64,
 }
@@ -89,6 +92,7 @@ impl Default for FilmDescription {
             exposure: Exposure::default(),
             view: View::default(),
             transparent: false,
+            clamp: None,
             seed: 0,
         }
     }

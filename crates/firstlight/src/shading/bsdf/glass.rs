@@ -16,9 +16,6 @@ pub(crate) struct Glass {
 }
 
 impl Glass {
-    /// Nearer to 1 than this, the boundary is not there.
-    pub(crate) const NOTHING: f32 = 1e-4;
-
     /// BSDF × |cosine of `incoming`|, sr⁻¹, and density of [`Glass::sample`], sr⁻¹. Light that comes through is weaker
     /// by η², since radiance counts light per solid angle and solid angles change (Veach 1997 §5.2).
     pub(crate) fn eval(&self, outgoing: Vec3, incoming: Vec3) -> (f32, f32) {

@@ -12,6 +12,7 @@ use super::glass::Glass;
 use super::sheen::Sheen;
 use super::{Frame, Kind, Lobe, above};
 use crate::color::Rgb;
+use crate::scene::description::Interior;
 use glam::{Vec2, Vec3, Vec3Swizzles};
 
 /// Adds the lobes of one point to a list, from the top.
@@ -89,7 +90,7 @@ impl<'a> Layers<'a> {
     /// The boundary of a transparent solid; `eta`: index beyond over index here, `tint`: colours what passes.
     pub(crate) fn glass(&mut self, eta: f32, alpha: Alpha, tint: Rgb) {
         let cos = self.outgoing.z;
-        if (eta - 1.0).abs() < Glass::NOTHING {
+        if (eta - 1.0).abs() < Interior::NOTHING {
             return self.add(Kind::Straight, tint, Rgb::ONE);
         }
         let Some(facets) = rough(alpha) else {

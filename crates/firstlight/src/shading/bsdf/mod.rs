@@ -1,4 +1,4 @@
-//! How a surface scatters light at one point: a handful of lobes, each plain data.
+//! How a surface, or a medium, scatters light at one point: a handful of lobes, each plain data.
 //!
 //! A [`Bsdf`] is made for one outgoing direction. `incoming` is where light comes from; both point away from the
 //! surface. Inside this module directions are in the frame of the surface, whose third axis is the shading normal on
@@ -23,6 +23,7 @@ pub(crate) use principled::{PrincipledPoint, Wall, principled};
 
 use crate::color::Rgb;
 use crate::math::tangents;
+use crate::shading::volume::HenyeyGreenstein;
 use diffuse::{Eon, cosine_weighted};
 use glam::{Vec2, Vec3};
 use sheen::Sheen;
@@ -70,6 +71,8 @@ pub(crate) enum Kind {
     },
     /// Fibres.
     Sheen(Sheen),
+    /// Particles of a medium, between which there is no surface.
+    Phase(HenyeyGreenstein),
     /// Sharp: reflected.
     Mirror,
     /// Sharp: bent.
@@ -245,6 +248,13 @@ impl Bsdf<'_> {
         })
     }
 
+    /// The unit vector to the side on which light has to be to be scattered; 0 if it may be anywhere.
+    #[inline(always)]
+    pub(crate) fn horizon(&self) -> Vec3 {
+        let one_side = self.lobes.iter().all(|lobe| !lobe.passes());
+        if one_side { self.frame.normal } else { Vec3::ZERO }
+    }
+
     /// The fraction of light that goes on as if nothing were there.
     pub(crate) fn straight(&self) -> Rgb {
         let lobes = self.lobes.iter().filter(|lobe| lobe.kind == Kind::Straight);
@@ -328,7 +338,17 @@ impl Lobe {
                 let (value, pdf) = glass.eval(outgoing, incoming);
                 (if reflects { Rgb::splat(value) } else { value * tint }, pdf)
             }
+            Kind::Phase(phase) => same(phase.pdf(-outgoing, incoming)),
             _ => same(0.0),
+        }
+    }
+
+    /// Whether light of many directions on the other side is scattered too.
+    fn passes(&self) -> bool {
+        match self.kind {
+            Kind::LambertThrough | Kind::Glass { .. } | Kind::Phase(_) => true,
+            Kind::Facets { through, .. } => through,
+            _ => false,
         }
     }
 
@@ -346,6 +366,7 @@ impl Lobe {
                 incoming.map(|incoming| if through { flip(incoming) } else { incoming })
             }
             Kind::Glass { glass, .. } => glass.sample(outgoing, choice, u),
+            Kind::Phase(phase) => Some(phase.sample(-outgoing, u)),
             Kind::Mirror | Kind::Refraction { .. } | Kind::Straight => None,
         }
     }

@@ -40,7 +40,7 @@ impl Picture {
     ) -> Vec4 {
         let size = Vec2::new(self.pixels.width as f32, self.pixels.height as f32);
         let [a, b] = spot.extent.map(|axis| (axis * size).length());
-        if !(a.max(b) > 1.0) {
+        if a.max(b).partial_cmp(&1.0).is_none_or(|order| order.is_le()) {
             return look_up(&self.pixels, spot.uv, wrap, sampling, role);
         }
         let longer = spot.extent[usize::from(b > a)];

@@ -1,4 +1,5 @@
 use super::*;
+use crate::io::model::Options;
 
 #[test]
 fn every_index_is_checked_and_named() {
@@ -130,6 +131,12 @@ fn surfaces_are_counted_before_they_fill_the_memory() {
     let mut access = FileAccess::beside(Path::new("m.gltf"), &[]);
     access.limits.decoded_bytes = 1 << 20;
     let text = document.to_string();
-    let scene = super::super::read(text.as_bytes(), "m.gltf", None, &access, &mut Warnings::new());
+    let scene = super::super::read(
+        text.as_bytes(),
+        "m.gltf",
+        Options::default(),
+        &access,
+        &mut Warnings::new(),
+    );
     assert!(scene.unwrap_err().to_string().contains("surfaces, which is the limit"));
 }

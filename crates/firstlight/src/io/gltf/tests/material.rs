@@ -275,7 +275,8 @@ fn variants_choose_materials() {
     let of = |variant: Option<&str>| {
         let access = FileAccess::beside(Path::new("m.gltf"), &[]);
         let text = document.to_string();
-        super::super::read(text.as_bytes(), "m.gltf", variant, &access, &mut Warnings::new())
+        let options = Options { variant, ..Options::default() };
+        super::super::read(text.as_bytes(), "m.gltf", options, &access, &mut Warnings::new())
     };
     let red = |variant| of(variant).unwrap().materials[0].reflectance.factor[0];
     assert_eq!([None, Some("day"), Some("night")].map(red), [0.25, 0.25, 0.5]);

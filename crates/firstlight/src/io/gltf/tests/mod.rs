@@ -7,6 +7,7 @@ mod material;
 mod nodes;
 
 use crate::diagnostic::Result;
+use crate::io::model::Options;
 use crate::io::{FileAccess, Warnings};
 use crate::scene::description::{Mesh, SceneDescription};
 use base64::Engine;
@@ -75,8 +76,13 @@ fn floats(numbers: &[f32]) -> Vec<u8> {
 fn try_read(document: &Value) -> (Result<SceneDescription>, Vec<String>) {
     let mut warnings = Warnings::new();
     let access = FileAccess::beside(Path::new("m.gltf"), &[]);
-    let scene =
-        super::read(document.to_string().as_bytes(), "m.gltf", None, &access, &mut warnings);
+    let scene = super::read(
+        document.to_string().as_bytes(),
+        "m.gltf",
+        Options::default(),
+        &access,
+        &mut warnings,
+    );
     (scene, warnings.iter().map(ToString::to_string).collect())
 }
 

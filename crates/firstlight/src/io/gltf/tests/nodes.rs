@@ -131,3 +131,29 @@ fn lights_are_converted_with_the_luminous_efficacy() {
     light["spot"]["innerConeAngle"] = json!(0.7);
     assert!(complaint(&document).contains("extensions.KHR_lights_punctual.lights[1].spot"));
 }
+
+/// Blender wrote watts as if they were candela before version 3.6 of its exporter; that is undone, with a word.
+#[test]
+fn watts_of_old_exports_stay_watts() {
+    let read_from = |generator: &str| {
+        let mut document = triangle();
+        document["asset"]["generator"] = json!(generator);
+        document["extensions"] = json!({ "KHR_lights_punctual": { "lights": [
+            { "type": "point", "intensity": 1000 }, { "type": "directional", "intensity": 3 } ] } });
+        let at = |light| json!({ "extensions": { "KHR_lights_punctual": { "light": light } } });
+        document["nodes"] = json!([at(0), at(1)]);
+        let (scene, warnings) = try_read(&document);
+        let lights = scene.unwrap().lights;
+        let strength = [0, 1].map(|i: usize| lights[i].light.quantity().1.x);
+        (strength, lights[0].written.clone(), warnings)
+    };
+    let (strength, written, warnings) = read_from("Khronos glTF Blender I/O v1.8.19");
+    assert_eq!(strength, [(1000.0 / (4.0 * std::f64::consts::PI)) as f32, 3.0]);
+    assert_eq!(written, "1000 W");
+    assert!(warnings[0].contains("taken as watts") && warnings[0].contains("--gltf-lights spec"));
+    for generator in ["Khronos glTF Blender I/O v4.2.60", "another"] {
+        let (strength, written, warnings) = read_from(generator);
+        assert_eq!(strength, [1000.0 / 683.0, 3.0 / 683.0].map(|x: f64| x as f32));
+        assert_eq!((written.as_str(), warnings.len()), ("1000 cd", 0));
+    }
+}

@@ -1,0 +1,134 @@
+//! Cameras that see nothing, or not what they should.
+
+use super::{Doctor, finding, named, percent};
+use crate::diagnostic::Diagnostic;
+use crate::scene::bounds;
+use crate::scene::description::{CameraDescription, Projection, Shape};
+use crate::units;
+use glam::DVec3;
+use std::collections::BTreeSet;
+
+/// Fields of view outside of these are hardly meant, degrees.
+const FIELDS: [f64; 2] = [1.5, 160.0];
+/// The part of the picture's height that all surfaces together should fill.
+const SMALLEST: f64 = 0.01;
+/// The part of the picture's height over which a point may be spread by the lens.
+const BLURRED: f64 = 0.05;
+
+impl Doctor<'_> {
+    /// Everything that is odd about the camera in use, if the scene has one.
+    pub(super) fn camera(&self) -> Vec<Diagnostic> {
+        let Some(camera) = self.description.cameras.first() else { return Vec::new() };
+        let findings =
+            [field(camera), self.is_inside(camera), self.is_far(camera), self.is_blurred(camera)];
+        findings.into_iter().flatten().collect()
+    }
+
+    /// A camera that sees the inside of one surface, and nothing of what is outside of it.
+    fn is_inside(&self, camera: &CameraDescription) -> Option<Diagnostic> {
+        let surface = self.probes.rays.first().map(|probe| probe.hit.surface)?;
+        let rays = &self.probes.rays;
+        let around = rays.iter().all(|probe| probe.hit.is_some() && probe.hit.surface == surface);
+        let behind = self.probes.seen().all(|witness| !witness.front);
+        let met: BTreeSet<_> =
+            self.probes.witnesses.iter().map(|witness| witness.surface).collect();
+        if !around || !behind || met.len() > 1 || !self.something_outside(surface) {
+            return None;
+        }
+        let message = format!(
+            "is inside of surface {}: it sees nothing else, though there is more outside",
+            self.quoted(surface)
+        );
+        let help = "move it outside, or try --camera frame, which shows everything";
+        Some(finding("camera-inside", named("camera", &camera.name), message).help(help))
+    }
+
+    /// Whether any other surface reaches beyond the box around this one.
+    fn something_outside(&self, surface: u32) -> bool {
+        let part = |keep: &dyn Fn(u32) -> bool| {
+            let mut scene = self.description.clone();
+            let mut number = 0;
+            scene.surfaces.retain(|_| {
+                number += 1;
+                keep(number - 1)
+            });
+            let endless = scene.surfaces.iter().any(|s| matches!(s.shape, Shape::Plane(_)));
+            (bounds(&scene), endless)
+        };
+        let ((Some([lo, hi]), _), (others, endless)) =
+            (part(&|i| i == surface), part(&|i| i != surface))
+        else {
+            return false;
+        };
+        endless || others.is_some_and(|[a, b]| a.cmplt(lo).any() || b.cmpgt(hi).any())
+    }
+
+    /// A camera from which all surfaces together are a dot.
+    fn is_far(&self, camera: &CameraDescription) -> Option<Diagnostic> {
+        let endless = self.description.surfaces.iter().any(|s| matches!(s.shape, Shape::Plane(_)));
+        let [lo, hi] = bounds(self.description).filter(|_| !endless)?;
+        let (size, distance) =
+            ((hi - lo).length(), camera.position.distance(0.5 * (lo + hi)).max(1e-12));
+        let height = match camera.projection {
+            Projection::Orthographic { height } => height,
+            Projection::Perspective { vertical_fov }
+            | Projection::ThinLens { vertical_fov, .. } => {
+                2.0 * distance * (0.5 * vertical_fov).tan()
+            }
+        };
+        (size < SMALLEST * height && size > 0.0).then(|| {
+            let (part, size) = (percent(size / height), units::format(size, "m"));
+            let message = format!(
+                "all surfaces together are {size} across, which is {part} of the picture's height from {} away",
+                units::format(distance, "m")
+            );
+            finding("camera-far", named("camera", &camera.name), message)
+                .help("are the lengths of camera and models in the same unit? --camera frame shows everything")
+        })
+    }
+
+    /// A lens that is set to a distance at which there is nothing.
+    fn is_blurred(&self, camera: &CameraDescription) -> Option<Diagnostic> {
+        let Projection::ThinLens { vertical_fov, aperture, focus_distance } = camera.projection
+        else {
+            return None;
+        };
+        let forward = (camera.target - camera.position).normalize_or(DVec3::Y);
+        let depth = |at: DVec3| (at - camera.position).dot(forward);
+        let mut depths: Vec<f64> = self.probes.seen().map(|w| depth(w.position)).collect();
+        depths.sort_by(f64::total_cmp);
+        // Similar triangles: a lens of this diameter spreads a point at `depth` over that part of the picture.
+        let height = 2.0 * (0.5 * vertical_fov).tan();
+        let spread = |depth: f64| aperture * (1.0 / depth - 1.0 / focus_distance).abs() / height;
+        let sharpest = depths.iter().map(|d| spread(*d)).fold(f64::INFINITY, f64::min);
+        let middle = *depths.get(depths.len() / 2)?;
+        (sharpest > BLURRED).then(|| {
+            let [nearest, furthest, focus] =
+                [depths[0], depths[depths.len() - 1], focus_distance].map(|d| units::format(d, "m"));
+            let message = format!(
+                "is sharp at {focus}; what it sees is {nearest} to {furthest} away, and all of it is blurred"
+            );
+            finding("camera-focus", named("camera", &camera.name), message)
+                .help(format!("set focus_distance = {:.3}, or a smaller aperture", middle))
+        })
+    }
+}
+
+/// A field of view that nobody wants.
+fn field(camera: &CameraDescription) -> Option<Diagnostic> {
+    let (Projection::Perspective { vertical_fov } | Projection::ThinLens { vertical_fov, .. }) =
+        camera.projection
+    else {
+        return None;
+    };
+    let degrees = vertical_fov.to_degrees();
+    (!(FIELDS[0]..=FIELDS[1]).contains(&degrees)).then(|| {
+        let seen = if degrees < FIELDS[0] { "a telescope's" } else { "wider than any lens" };
+        let message = format!("a field of view of {degrees:.3}° is {seen}");
+        let help = match degrees < FIELDS[0] {
+            true => format!("angles are in degrees; if it was meant in radians, write fov = \"{degrees:.4} rad\""),
+            false => "fov is the angle from the lower to the upper edge; 40 is usual".into(),
+        };
+        finding("camera-fov", named("camera", &camera.name), message).help(help)
+    })
+}

@@ -1,0 +1,113 @@
+//! Why what is seen is dark: which lights there are, and what stands in their way.
+
+use super::lights::is_off;
+use super::probes::Witness;
+use super::tally::{Ask, Tally};
+use super::{Doctor, named, percent};
+use crate::scene::description::{LightDescription, Projection};
+use crate::scene::light_middle;
+use crate::units::{self, Dimension, Measure};
+use std::f64::consts::PI;
+
+/// Lights that are asked.
+const LIGHTS: usize = 32;
+
+impl Doctor<'_> {
+    /// Why these points are dark, to be added to a sentence that says that they are; and what helps.
+    pub(super) fn why_dark(&self, points: &[&Witness]) -> (String, String) {
+        let lights = &self.description.lights;
+        if let Some(off) =
+            lights.iter().find(|light| is_off(light)).filter(|_| lights.iter().all(is_off))
+        {
+            let name = named("light", &off.name);
+            return (
+                format!("; {name} gives nothing"),
+                "give it more than 0, or add a light".into(),
+            );
+        }
+        let points: Vec<Witness> = points.iter().map(|point| **point).collect();
+        let mut tally = Tally::default();
+        for light in lights.iter().filter_map(|l| light_middle(l, self.scene.camera())).take(LIGHTS)
+        {
+            let ask: &Ask<'_> = &|witness, _| Self::ask_light(&light, witness);
+            tally.add(&self.tally(ask, &points));
+        }
+        self.say(&tally, points.first())
+    }
+
+    fn say(&self, tally: &Tally, first: Option<&Witness>) -> (String, String) {
+        let asked = f64::from(tally.points().max(1));
+        let most = tally.blocked.iter().max_by_key(|(_, count)| **count);
+        match (most, first) {
+            _ if tally.points() == 0 => {
+                (String::new(), "add a light, or move the lights there are".into())
+            }
+            (Some((surface, count)), _) if 4 * *count >= tally.points() && *count > tally.lit => {
+                let part = match f64::from(*count) / asked {
+                    1.0 => "every shadow ray hits".into(),
+                    part => format!("{} of the shadow rays hit", percent(part)),
+                };
+                let name = self.quoted(*surface);
+                (
+                    format!(": {part} {name}"),
+                    format!("move {name} or the lights, or let light through it"),
+                )
+            }
+            (_, Some(first)) if 2 * tally.lit >= tally.points() => {
+                let material = self.description.surfaces[first.surface as usize].material;
+                let name = named("material", &self.description.materials[material].name);
+                (
+                    format!(": light arrives, and {name} sends next to none of it to the camera"),
+                    "give it a brighter color; in metal and glass only what stands around is seen"
+                        .into(),
+                )
+            }
+            _ if tally.averted >= tally.outside => {
+                let part = percent(f64::from(tally.averted) / asked);
+                (
+                    format!(": {part} of what is dark faces away from the lights"),
+                    self.the_other_side(),
+                )
+            }
+            _ => {
+                let part = percent(f64::from(tally.outside) / asked);
+                (
+                    format!(": {part} of what is dark is outside of where the lights shine"),
+                    "aim the lights at it, or widen their outer_angle".into(),
+                )
+            }
+        }
+    }
+
+    fn the_other_side(&self) -> String {
+        let parallel = self
+            .description
+            .cameras
+            .first()
+            .is_some_and(|camera| matches!(camera.projection, Projection::Orthographic { .. }));
+        let light = if parallel {
+            "another"
+        } else {
+            "one at the camera, -D lights.head.camera.irradiance=3"
+        };
+        format!("move the lights to where the camera is, or add {light}")
+    }
+
+    /// How much the strongest light gives, in both measures, for those who have mistaken one for the other.
+    pub(super) fn strongest(&self) -> String {
+        let lights = self.description.lights.iter();
+        let strength = |light: &&LightDescription| light.light.quantity().1.max_element();
+        let Some(light) = lights.max_by(|a, b| strength(a).total_cmp(&strength(b))) else {
+            return String::new();
+        };
+        let (mut dimension, mut value) = light.light.quantity();
+        if light.light.kind() == "point" {
+            (dimension, value) = (Dimension::Power, value * (4.0 * PI) as f32);
+        }
+        let seen = units::photometric(value, self.description.luminous_efficacy.0);
+        let energy =
+            units::format(value.max_element().into(), units::unit(dimension, Measure::Radiometric));
+        let seen = units::format(seen, units::unit(dimension, Measure::Photometric));
+        format!(" ({} gives {energy}, which is seen as {seen})", named("light", &light.name))
+    }
+}

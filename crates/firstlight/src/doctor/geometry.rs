@@ -1,0 +1,380 @@
+//! Surfaces that are in each other, inside out, or made of triangles that cannot be right.
+
+use super::probes::Probe;
+use super::{Care, Doctor, finding, named, percent, quoted};
+use crate::bvh::Part;
+use crate::diagnostic::Diagnostic;
+use crate::geometry::Ray;
+use crate::scene::SeenByCamera;
+use crate::scene::description::{Mesh, SceneDescription, Shape, Surface};
+use glam::{DVec3, Vec3};
+use std::collections::{BTreeMap, HashMap};
+
+/// Triangles that are looked at before every render, in all.
+const FEW_TRIANGLES: usize = 1 << 14;
+/// The part of a mesh's triangles that may have no area (as at the poles of spheres), of its corners that may have no
+/// normals, and odd ones.
+const FLAT_PART: f64 = 0.25;
+const ODD_PART: f64 = 0.02;
+const FAR_PART: f64 = 0.1;
+/// Cosine between a corner's normal and its triangle's from which on they do not belong together: 75°.
+const FAR: f32 = 0.26;
+/// The part of what the camera might see that it may look through from behind, into nothing.
+const FROM_BEHIND: f64 = 0.2;
+/// Shapes with a formula that are looked at.
+const FEW_SHAPES: usize = 64;
+/// Rays that must find two surfaces in each other before it is told.
+const COINCIDENT_RAYS: u32 = 3;
+/// Surfaces at distances that differ by less than this part are taken to be in the same place.
+const SAME_PLACE: f32 = 4e-6;
+/// Edges with one triangle, as a part of all, that a closed mesh may have.
+const OPEN: f64 = 0.01;
+
+impl Doctor<'_> {
+    /// Everything that is odd about surfaces.
+    pub(super) fn surfaces(&self, care: Care) -> Vec<Diagnostic> {
+        let mut found: Vec<_> = duplicates(self.description).into_iter().collect();
+        found.extend(self.coincident());
+        found.extend(self.seen_from_behind(care));
+        found.extend(meshes(self.description, care));
+        found.extend(self.glass(care));
+        found
+    }
+
+    /// Surfaces of different materials in one place: which one is seen is up to rounding.
+    fn coincident(&self) -> Option<Diagnostic> {
+        let seen: Vec<_> = self.probes.rays.iter().filter(|probe| probe.hit.is_some()).collect();
+        let mut pairs = BTreeMap::<[u32; 2], u32>::new();
+        for [a, b] in self.just_behind(&seen).into_iter().chain(self.at_once(&seen)) {
+            *pairs.entry([a.min(b), a.max(b)]).or_default() += 1;
+        }
+        let material = |surface: u32| self.description.surfaces[surface as usize].material;
+        pairs.retain(|[a, b], _| material(*a) != material(*b));
+        let ([a, b], count) = pairs.into_iter().max_by_key(|(_, count)| *count)?;
+        (count >= COINCIDENT_RAYS).then(|| {
+            let part = percent((f64::from(count) / seen.len() as f64).min(1.0));
+            let message = format!(
+                "lies in surface {} on {part} of what is seen: which of the two shows is up to rounding",
+                self.quoted(b)
+            );
+            finding("surfaces-coincide", self.surface(a), message)
+                .help("move one of them by a hair, or leave it out")
+        })
+    }
+
+    /// Pairs of surfaces of which a ray meets one within a rounding error behind the other.
+    fn just_behind(&self, seen: &[&Probe]) -> Vec<[u32; 2]> {
+        let beyond = |Probe { ray, hit, .. }: &&Probe| Ray {
+            t_min: hit.t,
+            t_max: hit.t * (1.0 + SAME_PLACE),
+            ..*ray
+        };
+        let (rays, mut hits) = (seen.iter().map(beyond).collect::<Vec<_>>(), Vec::new());
+        self.scene.world.closest_hits(&rays, &SeenByCamera(self.scene, 0), &mut hits);
+        let both = seen.iter().zip(&hits).filter(|(_, hit)| hit.is_some());
+        both.map(|(probe, hit)| [probe.hit.surface, hit.surface]).collect()
+    }
+
+    /// Pairs of surfaces that a ray meets at the very same distance, one of which has a formula to ask.
+    fn at_once(&self, seen: &[&Probe]) -> Vec<[u32; 2]> {
+        let parts = (0..).zip(self.scene.world.parts());
+        let analytic = parts.filter_map(|(number, part)| match part {
+            Part::Analytic(shape, _) => Some((number, shape)),
+            Part::Mesh(_) => None,
+        });
+        let mut pairs = Vec::new();
+        for (number, shape) in analytic.take(FEW_SHAPES) {
+            for Probe { ray, hit, .. } in seen.iter().filter(|probe| probe.hit.surface != number) {
+                let point = ray.origin.as_dvec3() + f64::from(hit.t) * ray.direction.as_dvec3();
+                let near = f64::from(SAME_PLACE * hit.t);
+                let crossed = || shape.crossings(ray).any(|(t, _)| t as f32 == hit.t);
+                let mut triangles = (0..shape.triangle_count()).map(|i| shape.triangle(i));
+                if crossed() || triangles.any(|triangle| contains(&triangle, point, near)) {
+                    pairs.push([hit.surface, number]);
+                }
+            }
+        }
+        pairs
+    }
+
+    /// One-sided surfaces that the camera sees from behind, with nothing beyond, or that are inside out.
+    fn seen_from_behind(&self, care: Care) -> Option<Diagnostic> {
+        let mut counts = BTreeMap::<u32, [u32; 2]>::new();
+        let there = self.probes.rays.iter().filter(|probe| probe.first.is_some());
+        let mut all = 0;
+        for probe in there {
+            let [through, into_nothing] = counts.entry(probe.first.surface).or_default();
+            let passed = probe.first != probe.hit && self.scene.material(&probe.first).visible;
+            *through += u32::from(passed);
+            *into_nothing += u32::from(passed && !probe.hit.is_some());
+            all += 1;
+        }
+        let lost: u32 = counts.values().map(|[_, lost]| lost).sum();
+        let passed = |[through, lost]: [u32; 2], surface: u32| {
+            let part = |count: u32| f64::from(count) > FROM_BEHIND * f64::from(all);
+            (part(lost) && lost > 0, part(through) && self.is_inside_out(surface, care))
+        };
+        let most = counts.iter().max_by_key(|(_, counts)| counts[0])?;
+        let (surface, counts) = (*most.0, *most.1);
+        let (into_nothing, inside_out) = passed([counts[0], lost], surface);
+        if !into_nothing && !inside_out {
+            return None;
+        }
+        let part = percent(f64::from(counts[0]) / f64::from(all));
+        let why = if inside_out {
+            ", which is inside out: its triangles are wound clockwise"
+        } else {
+            ""
+        };
+        let message = format!(
+            "the camera looks through the back of this one-sided surface on {part} of what is there{why}"
+        );
+        let help = match inside_out {
+            true => {
+                "turn its triangles around in the program it was made with, or make its material double-sided"
+            }
+            false => {
+                "make its material double-sided (double_sided = true), or look from the other side"
+            }
+        };
+        Some(finding("seen-from-behind", self.surface(surface), message).help(help))
+    }
+
+    fn is_inside_out(&self, surface: u32, care: Care) -> bool {
+        let Surface { shape, transform, .. } = &self.description.surfaces[surface as usize];
+        let Shape::Mesh(mesh) = shape else { return false };
+        let mesh = &self.description.meshes[*mesh];
+        let mirrored = transform.matrix3.determinant() < 0.0;
+        // glTF: a mirrored node turns the winding of its triangles around, so that fronts stay fronts.
+        Solid::of(mesh, stride(mesh.triangles.len(), care)).is_inside_out() && !mirrored
+    }
+
+    /// Boundaries of solids that have no inside.
+    fn glass(&self, care: Care) -> Vec<Diagnostic> {
+        let transparent =
+            |surface: &&Surface| self.description.materials[surface.material].interior.is_some();
+        let surfaces = self.description.surfaces.iter().filter(transparent);
+        surfaces.filter_map(|surface| self.broken_glass(surface, care)).take(3).collect()
+    }
+
+    fn broken_glass(&self, surface: &Surface, care: Care) -> Option<Diagnostic> {
+        let open =
+            "light goes into it and never comes out: use a closed shape, or thin_glass for panes";
+        let place = || named("surface", &surface.name);
+        match surface.shape {
+            Shape::Quad(_) | Shape::Disk(_) => {
+                let message = "is flat, and its material is that of a solid";
+                Some(finding("glass-open", place(), message).help(open))
+            }
+            Shape::Mesh(mesh) => {
+                let mesh = &self.description.meshes[mesh];
+                let solid = Solid::of(mesh, stride(mesh.triangles.len(), care));
+                if solid.is_inside_out() && surface.transform.matrix3.determinant() > 0.0 {
+                    let message = "faces inwards: what is outside of it counts as inside";
+                    let help = "turn its triangles around in the program it was made with";
+                    return Some(finding("glass-inside-out", place(), message).help(help));
+                }
+                let part = (care == Care::Thorough).then(|| open_edges(mesh))?;
+                (part > OPEN).then(|| {
+                    let message = format!(
+                        "{} of its edges are open, and its material is that of a solid",
+                        percent(part)
+                    );
+                    finding("glass-open", place(), message).help(open)
+                })
+            }
+            _ => None,
+        }
+    }
+}
+
+/// Whether a point lies in a triangle, or off its plane by no more than `near`, m.
+fn contains(triangle: &[Vec3; 3], point: DVec3, near: f64) -> bool {
+    let [a, b, c] = triangle.map(|corner| corner.as_dvec3());
+    let normal = (b - a).cross(c - a);
+    let inside = |from: DVec3, to: DVec3| (to - from).cross(point - from).dot(normal) >= 0.0;
+    let off = (point - a).dot(normal).abs() / normal.length();
+    off <= near && inside(a, b) && inside(b, c) && inside(c, a)
+}
+
+/// Every how many triangles of a mesh are looked at.
+fn stride(triangles: usize, care: Care) -> usize {
+    match care {
+        Care::Quick => triangles.div_ceil(FEW_TRIANGLES).max(1),
+        Care::Thorough => 1,
+    }
+}
+
+/// The first two surfaces that are the same in the same place.
+fn duplicates(scene: &SceneDescription) -> Option<Diagnostic> {
+    let mut known = HashMap::new();
+    let mut twice = scene.surfaces.iter().filter_map(|surface| {
+        let bits = surface.transform.to_cols_array().map(f64::to_bits);
+        let shape = match &surface.shape {
+            Shape::Mesh(mesh) => mesh.to_string(),
+            shape => format!("{shape:?}"),
+        };
+        known.insert((bits, shape), &surface.name).map(|first| (surface, first))
+    });
+    let (surface, first) = twice.next()?;
+    let more = match twice.count() {
+        0 => String::new(),
+        more => format!("; so do {more} more"),
+    };
+    let message = format!("stands where surface {} stands, and is the same{more}", quoted(first));
+    let place = named("surface", &surface.name);
+    Some(finding("duplicate-surfaces", place, message).help("leave one of them out"))
+}
+
+/// What is wrong with the triangles of meshes that are used.
+fn meshes(scene: &SceneDescription, care: Care) -> Vec<Diagnostic> {
+    let used = |i: usize| scene.surfaces.iter().find(|s| s.shape == Shape::Mesh(i));
+    let total: usize = scene.meshes.iter().map(|mesh| mesh.triangles.len()).sum();
+    let mut worst: BTreeMap<&'static str, (Diagnostic, usize)> = BTreeMap::new();
+    for (i, mesh) in scene.meshes.iter().enumerate() {
+        let Some(surface) = used(i) else { continue };
+        for oddity in
+            Census::of(mesh, stride(total, care)).oddities(&named("surface", &surface.name))
+        {
+            let entry = worst.entry(oddity.code).or_insert((oddity, 0));
+            entry.1 += 1;
+        }
+    }
+    let told = worst.into_values().map(|(mut oddity, count)| {
+        if count > 1 {
+            oddity.message += &format!(" (and so in {} more meshes)", count - 1);
+        }
+        oddity
+    });
+    told.collect()
+}
+
+/// What a mesh's triangles are like.
+#[derive(Default)]
+pub(super) struct Census {
+    triangles: usize,
+    degenerate: usize,
+    zero_normals: usize,
+    far_normals: usize,
+    has_normals: bool,
+}
+
+impl Census {
+    /// Of every `stride`th triangle.
+    fn of(mesh: &Mesh, stride: usize) -> Self {
+        let mut census = Self { has_normals: !mesh.normals.is_empty(), ..Self::default() };
+        for triangle in mesh.triangles.iter().step_by(stride) {
+            census.count(mesh, triangle);
+        }
+        census
+    }
+
+    fn count(&mut self, mesh: &Mesh, triangle: &[u32; 3]) {
+        self.triangles += 1;
+        let [a, b, c] = triangle.map(|i| mesh.positions[i as usize].as_dvec3());
+        let flat = (b - a).cross(c - a);
+        let longest = (b - a).length_squared().max((c - a).length_squared());
+        if flat.length() <= 1e-12 * longest || longest == 0.0 {
+            self.degenerate += 1;
+            return;
+        }
+        if !self.has_normals {
+            return;
+        }
+        let normals = triangle.map(|i| mesh.normals[i as usize]);
+        let lost = |n: &Vec3| !(n.length_squared() > 1e-12 && n.is_finite());
+        self.zero_normals += normals.iter().filter(|n| lost(n)).count();
+        let flat = flat.normalize().as_vec3();
+        let far = |n: &Vec3| n.normalize_or_zero().dot(flat).abs() < FAR && !lost(n);
+        self.far_normals += normals.iter().filter(|n| far(n)).count();
+    }
+
+    fn oddities(&self, place: &str) -> Vec<Diagnostic> {
+        let part = |count: usize, of: usize| count as f64 / of.max(1) as f64;
+        let corners = 3 * (self.triangles - self.degenerate);
+        let flat = part(self.degenerate, self.triangles);
+        let zero = part(self.zero_normals, corners);
+        let far = part(self.far_normals, corners);
+        let rows = [
+            (
+                flat > FLAT_PART,
+                "triangles-degenerate",
+                format!("{} of its triangles ({}) have no area", percent(flat), self.degenerate),
+                "they are not drawn; was the mesh flattened, or its coordinates rounded?",
+            ),
+            (
+                zero > ODD_PART,
+                "normals-zero",
+                format!(
+                    "{} of its vertex normals are zero or no numbers: flat shading stands in there",
+                    percent(zero)
+                ),
+                "compute its normals anew in the program it was made with, or leave them out",
+            ),
+            (
+                far > FAR_PART,
+                "normals-far",
+                format!(
+                    "{} of its vertex normals are more than 75° off those of its triangles: light falls on it from wrong sides",
+                    percent(far)
+                ),
+                "compute its normals anew in the program it was made with, or leave them out",
+            ),
+        ];
+        let told = rows.into_iter().filter(|row| row.0);
+        told.map(|(_, code, message, help)| finding(code, place.to_owned(), message).help(help))
+            .collect()
+    }
+}
+
+/// How many triangles of a scene's meshes have no area.
+pub fn degenerate_triangles(scene: &SceneDescription) -> usize {
+    scene.meshes.iter().map(|mesh| Census::of(mesh, 1).degenerate).sum()
+}
+
+/// Volume and area of what a mesh encloses, from some of its triangles.
+struct Solid {
+    area: f64,
+    /// Sum of all areas as vectors: 0 if it is closed.
+    vector_area: DVec3,
+    volume: f64,
+}
+
+impl Solid {
+    fn of(mesh: &Mesh, stride: usize) -> Self {
+        let mut solid = Self { area: 0.0, vector_area: DVec3::ZERO, volume: 0.0 };
+        let middle = mesh.positions.iter().map(|p| p.as_dvec3()).sum::<DVec3>()
+            / mesh.positions.len().max(1) as f64;
+        for triangle in mesh.triangles.iter().step_by(stride) {
+            let [a, b, c] = triangle.map(|i| mesh.positions[i as usize].as_dvec3() - middle);
+            let area = 0.5 * (b - a).cross(c - a);
+            solid.area += area.length();
+            solid.vector_area += area;
+            solid.volume += a.dot(b.cross(c)) / 6.0;
+        }
+        solid
+    }
+
+    /// Whether it is closed, and its triangles are wound clockwise seen from outside.
+    fn is_inside_out(&self) -> bool {
+        let closed = self.vector_area.length() < 0.02 * self.area;
+        closed && self.volume < -0.002 * self.area.powf(1.5)
+    }
+}
+
+/// The part of a mesh's edges that have one triangle. Corners in the same place are the same.
+fn open_edges(mesh: &Mesh) -> f64 {
+    let mut edges = HashMap::<[[u32; 3]; 2], u32>::new();
+    let place = |i: u32| mesh.positions[i as usize].to_array().map(|x| (x + 0.0).to_bits());
+    for [a, b, c] in &mesh.triangles {
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            let mut edge = [place(*from), place(*to)];
+            edge.sort_unstable();
+            if edge[0] != edge[1] {
+                *edges.entry(edge).or_default() += 1;
+            }
+        }
+    }
+    let open = edges.values().filter(|count| **count % 2 == 1).count();
+    open as f64 / edges.len().max(1) as f64
+}

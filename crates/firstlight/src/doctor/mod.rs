@@ -1,0 +1,144 @@
+//! The scene doctor: what makes pictures black, white, noisy or wrong, said in words: what, where, why, and what mends it.
+//!
+//! [`Doctor::examine`] looks at a scene before it is rendered, with a few hundred rays of the camera and from what they meet;
+//! [`Doctor::judge`] looks at the picture that came of it. Each finding is a [`Diagnostic`] with a code out of [`CODES`].
+//! A healthy scene has none: what may be meant as it is, is not told, or only where it does harm.
+
+mod camera;
+mod darkness;
+mod geometry;
+mod lights;
+mod materials;
+mod picture;
+mod probes;
+mod sizes;
+mod tally;
+#[cfg(test)]
+mod tests;
+mod textures;
+
+pub use geometry::degenerate_triangles;
+pub use lights::none as no_lights;
+pub use picture::Shown;
+
+use crate::diagnostic::Diagnostic;
+use crate::scene::Scene;
+use crate::scene::description::SceneDescription;
+use probes::Probes;
+
+/// How closely to look.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Care {
+    /// What takes next to no time, before every render.
+    Quick,
+    /// Everything: all triangles and all texels.
+    Thorough,
+}
+
+/// Every code that a finding may have, with what it means.
+pub const CODES: &[(&str, &str)] = &[
+    ("camera-far", "all surfaces together are a dot in the picture"),
+    ("camera-focus", "nothing that the camera sees is sharp"),
+    ("camera-fov", "the field of view is that of a telescope or turns everything inside out"),
+    ("camera-inside", "the camera is inside of something"),
+    ("camera-sees-nothing", "all is background"),
+    ("duplicate-surfaces", "the same surface stands twice in the same place"),
+    ("emitter-off", "a surface is said to be a light, and gives none"),
+    ("environment-black", "nothing comes from the environment"),
+    ("exposure-low", "the picture is far too dark for its exposure"),
+    ("glass-inside-out", "the surface of something transparent faces inwards"),
+    ("glass-open", "what is transparent is not closed"),
+    ("light-averted", "a light shines away from all that is seen"),
+    ("light-blocked", "something stands between a light and all that is seen"),
+    ("light-factor", "two lights differ by exactly 683 or 4π"),
+    ("light-inside", "a light is inside of something"),
+    ("light-off", "a light gives nothing"),
+    ("light-radius", "what is seen is inside of the sphere of a light"),
+    ("light-units", "a light is many times brighter than the sun"),
+    ("material-invisible", "a material is nowhere there"),
+    ("no-lights", "there is no light at all"),
+    ("no-surfaces", "there is nothing to be seen"),
+    ("noise", "the picture is mostly noise"),
+    ("normals-far", "shading normals are far from those of the triangles"),
+    ("normals-zero", "vertex normals are zero or no numbers"),
+    ("picture-black", "what the camera sees is black"),
+    ("picture-clipped", "much of the picture is brighter than white"),
+    ("reflectance-above-one", "a material reflects more than it gets"),
+    ("samples-dropped", "samples were no finite numbers"),
+    ("seen-from-behind", "the camera looks through the backs of one-sided surfaces"),
+    ("size-millimetres", "the scene is as large as if millimetres were taken for metres"),
+    ("size-mixed", "one model is a thousand times as large as the others"),
+    ("surfaces-coincide", "two surfaces lie in each other"),
+    ("texture-curve", "numbers were encoded or decoded like colours"),
+    ("texture-flat", "a picture has one colour"),
+    ("texture-role", "one picture is read as colours and as numbers"),
+    ("texture-uvs", "a picture has no texture coordinates to lie on"),
+    ("triangles-degenerate", "many triangles have no area"),
+];
+
+/// Examines one scene.
+pub struct Doctor<'a> {
+    description: &'a SceneDescription,
+    scene: &'a Scene,
+    probes: Probes,
+}
+
+impl<'a> Doctor<'a> {
+    /// For `scene`, which was built from `description`. Sends out a few hundred rays.
+    pub fn new(description: &'a SceneDescription, scene: &'a Scene) -> Self {
+        Self { description, scene, probes: Probes::send(scene) }
+    }
+
+    /// Everything that is odd about the scene, as far as that shows before it is rendered.
+    pub fn examine(&self, care: Care) -> Vec<Diagnostic> {
+        let description = self.description;
+        if description.surfaces.is_empty() {
+            let message = "the scene has no surfaces: the picture is background";
+            return vec![Diagnostic::new("", message).code("no-surfaces")];
+        }
+        let mut found = Vec::new();
+        found.extend(lights::none(description));
+        found.extend(self.lights(care));
+        found.extend(self.camera());
+        found.extend(self.surfaces(care));
+        found.extend(self.sizes());
+        found.extend(materials::examine(description, care));
+        found.extend(textures::examine(description, care));
+        found
+    }
+
+    /// A surface as it is called in findings.
+    fn surface(&self, surface: u32) -> String {
+        named("surface", &self.description.surfaces[surface as usize].name)
+    }
+
+    /// The name of a surface in quotation marks.
+    fn quoted(&self, surface: u32) -> String {
+        quoted(&self.description.surfaces[surface as usize].name)
+    }
+}
+
+/// A thing as it is called in findings: `light "key"`.
+fn named(kind: &str, name: &str) -> String {
+    format!("{kind} {}", quoted(name))
+}
+
+fn quoted(name: &str) -> String {
+    format!("\"{name}\"")
+}
+
+/// A finding about a part of the scene.
+fn finding(code: &'static str, part: String, message: impl Into<String>) -> Diagnostic {
+    Diagnostic::new("", message).at_part(part).code(code)
+}
+
+/// A part as a percentage of three digits at most.
+fn percent(part: f64) -> String {
+    let percent = 100.0 * part;
+    match percent {
+        0.0 | 100.0 => format!("{percent} %"),
+        0.05..99.95 => format!("{} %", format!("{percent:.1}").trim_end_matches(".0")),
+        ..0.05 => "less than 0.1 %".into(),
+        _ => "more than 99.9 %".into(),
+    }
+}

@@ -1,0 +1,94 @@
+//! Lengths that are a thousand times too large: millimetres taken for metres.
+
+use super::{Doctor, finding, quoted};
+use crate::color::Rgb;
+use crate::diagnostic::Diagnostic;
+use crate::scene::description::{Shape, Surface};
+use crate::scene::{bounds, light_middle};
+use crate::units;
+use glam::DVec3;
+use std::collections::BTreeMap;
+
+/// What no room is: scenes of at least this size may be in millimetres, m.
+const LARGE: f64 = 50.0;
+/// Illuminance below which lights do not suit the size of a scene, and the range in which they do, lx.
+const DIM: f64 = 0.5;
+const USUAL: std::ops::Range<f64> = 1.0..1e6;
+/// How many times as large as the others a model is whose unit is another one.
+const MIXED: std::ops::Range<f64> = 200.0..50_000.0;
+
+impl Doctor<'_> {
+    /// Everything that is odd about lengths.
+    pub(super) fn sizes(&self) -> Vec<Diagnostic> {
+        self.millimetres().into_iter().chain(self.mixed()).collect()
+    }
+
+    /// A scene so large that its lights do nothing, which would suit it in millimetres.
+    fn millimetres(&self) -> Option<Diagnostic> {
+        let scene = self.description;
+        let local = scene.lights.iter().all(|light| light.light.position().is_some());
+        let size = bounds(scene).map(|[lo, hi]| (hi - lo).max_element())?;
+        if !local || scene.lights.is_empty() || scene.environment.is_some() || size < LARGE {
+            return None;
+        }
+        let lights: Vec<_> =
+            scene.lights.iter().filter_map(|l| light_middle(l, self.scene.camera())).collect();
+        let at = |point: DVec3| -> Rgb {
+            lights.iter().filter_map(|l| l.sample(point)).map(|s| s.irradiance).sum()
+        };
+        let brightest = self.probes.seen().map(|w| at(w.position)).reduce(Rgb::max)?;
+        let lux = units::photometric(brightest, scene.luminous_efficacy.0);
+        (lux > 0.0 && lux < DIM && USUAL.contains(&(1e6 * lux))).then(|| {
+            let shown = |lux, metres| (units::format(lux, "lx"), units::format(metres, "m"));
+            let ((now, large), (then, small)) = (shown(lux, size), shown(1e6 * lux, 1e-3 * size));
+            let message = format!(
+                "the scene is {large} across, and its lights give what is seen {now} at most; were its lengths millimetres, that would be {small} and {then}"
+            );
+            let help = "say in which unit the model is: --unit mm, or unit = \"mm\" in its [models.…]";
+            finding("size-millimetres", "lengths".into(), message).help(help)
+        })
+    }
+
+    /// One model that is as large beside all others as if it were in another unit.
+    fn mixed(&self) -> Option<Diagnostic> {
+        let mut sizes = self.model_sizes();
+        sizes.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let [(name, size), rest @ ..] = &sizes[..] else { return None };
+        let (_, second) = rest.first()?;
+        let smaller = format!("{:?}", rest.first().map(|rest| &rest.0)?);
+        (MIXED.contains(&(size / second))).then(|| {
+            let (size, second) = (units::format(*size, "m"), units::format(*second, "m"));
+            let message = format!(
+                "is {size} across, and the next largest, {smaller}, {second}: are they in the same unit?"
+            );
+            finding("size-mixed", format!("model {}", quoted(name)), message)
+                .help("say in which unit its file is: unit = \"mm\" in its [models.…]")
+        })
+    }
+
+    /// The largest side of each model file's surfaces and of each single mesh. What shines, and what the camera
+    /// is inside of, may be as large as it wants: skies are.
+    fn model_sizes(&self) -> Vec<(String, f64)> {
+        let scene = self.description;
+        let inside = self.probes.seen().filter(|w| !w.front).map(|w| w.surface);
+        let inside: std::collections::BTreeSet<_> = inside.collect();
+        let model =
+            |surface: &Surface| surface.name.split('/').next().unwrap_or_default().to_owned();
+        let mut boxes = BTreeMap::<String, [DVec3; 2]>::new();
+        for (number, surface) in (0..).zip(&scene.surfaces) {
+            let shines = scene.materials[surface.material].emission.factor[..3] != [0.0; 3];
+            let Shape::Mesh(mesh) = surface.shape else { continue };
+            if shines || inside.contains(&number) || !surface.name.contains('/') {
+                continue;
+            }
+            let entry =
+                boxes.entry(model(surface)).or_insert([DVec3::INFINITY, DVec3::NEG_INFINITY]);
+            for corner in &scene.meshes[mesh].positions {
+                let at = surface.transform.transform_point3(corner.as_dvec3());
+                *entry = [entry[0].min(at), entry[1].max(at)];
+            }
+        }
+        let sizes = boxes.into_iter().map(|(name, [lo, hi])| (name, (hi - lo).max_element()));
+        sizes.filter(|(_, size)| *size > 0.0).collect()
+    }
+}

@@ -1,0 +1,508 @@
+//! For each finding a scene that has it, and a neighbour that does not.
+
+use super::{CODES, Care, Doctor, Shown};
+use crate::color::Rgb;
+use crate::diagnostic::Diagnostic;
+use crate::io::{FileAccess, Warnings, scene_file};
+use crate::render::{RenderOptions, render};
+use crate::scene::description::*;
+use crate::{Scene, SceneDescription};
+use glam::{Vec2, Vec3};
+use std::collections::BTreeSet;
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::Arc;
+
+/// A ball on a floor under a lamp.
+const SCENE: &str = "
+    film = { resolution = [48, 32], samples = 4 }
+    [camera.perspective]
+    position = [0, -6, 3]
+    target = [0, 0, 0.5]
+    fov = 40
+    [materials.paint.lambert]
+    reflectance = 0.5
+    [surfaces.ball]
+    sphere = { center = [0, 0, 1], radius = 1 }
+    material = 'paint'
+    [surfaces.floor]
+    disk = { radius = 20 }
+    [lights.lamp.point]
+    position = [2, -4, 5]
+    power = '1 kW'
+";
+
+fn read(text: &str) -> SceneDescription {
+    let access = FileAccess::beside(Path::new("scene.toml"), &[]);
+    scene_file::read(text, "scene.toml", &[], &access, &mut Warnings::new())
+        .unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+/// The scene with `from` replaced by `to`, and `more` at its end.
+fn changed(from: &str, to: &str, more: &str) -> String {
+    assert!(SCENE.contains(from), "{from}");
+    SCENE.replace(from, to) + more
+}
+
+/// Everything that is found in a scene and its picture.
+fn findings(scene: &SceneDescription) -> Vec<Diagnostic> {
+    scene.check().unwrap();
+    let built = Scene::build(scene);
+    let doctor = Doctor::new(scene, &built);
+    let rendered = render(&built, &RenderOptions::default(), &|_| ControlFlow::Continue(()));
+    let exposure_ev = if let Exposure::Ev(ev) = scene.film.exposure { ev } else { 0.0 };
+    let noise = rendered.noise;
+    let shown =
+        Shown { rendered: &rendered, exposure_ev, auto_exposure: false, developed: true, noise };
+    let mut found = doctor.examine(Care::Thorough);
+    // What is found quickly is found with care as well.
+    let all: BTreeSet<_> = found.iter().map(|finding| finding.code).collect();
+    for quick in doctor.examine(Care::Quick) {
+        assert!(all.contains(quick.code), "{quick}");
+    }
+    found.extend(doctor.judge(&shown));
+    found
+}
+
+/// That `sick` has this finding with all of the `words` in it, and `healthy` does not.
+#[track_caller]
+fn told_apart(
+    code: &'static str,
+    words: &[&str],
+    sick: &SceneDescription,
+    healthy: &SceneDescription,
+) {
+    let found = findings(sick);
+    let texts: Vec<_> = found.iter().map(|f| format!("[{}] {f}", f.code)).collect();
+    let finding = found.iter().find(|finding| finding.code == code);
+    let finding = finding.unwrap_or_else(|| panic!("no {code} in {texts:#?}"));
+    for word in words {
+        assert!(finding.to_string().contains(word), "{word:?} is not in {finding}");
+    }
+    assert!(CODES.iter().any(|(known, _)| *known == code));
+    let found = findings(healthy);
+    assert!(!found.iter().any(|finding| finding.code == code), "{found:#?}");
+}
+
+#[track_caller]
+fn texts_told_apart(code: &'static str, words: &[&str], sick: &str, healthy: &str) {
+    told_apart(code, words, &read(sick), &read(healthy));
+}
+
+#[test]
+fn a_healthy_scene_has_no_findings() {
+    assert_eq!(findings(&read(SCENE)), []);
+    let path = format!("integrator = 'path'\n{SCENE}").replace("samples = 4", "samples = 64");
+    assert_eq!(findings(&read(&path)), []);
+}
+
+#[test]
+fn scenes_without_anything() {
+    let unlit = SCENE.split("[lights").next().unwrap();
+    texts_told_apart("no-lights", &["all surfaces are black"], unlit, SCENE);
+    texts_told_apart("no-surfaces", &["background"], "[lights.a.ambient]\nradiance = 1", SCENE);
+}
+
+#[test]
+fn lights_inside_of_things() {
+    let inside = |x: f32| changed("[2, -4, 5]", &format!("[{x}, 0, 1]"), "");
+    let words = ["light \"lamp\"", "inside of surface \"ball\", 50", "lights.lamp.point"];
+    texts_told_apart("light-inside", &words, &inside(0.5), &inside(1.5));
+}
+
+#[test]
+fn lights_behind_things() {
+    let roof = |z: f32| {
+        format!("{SCENE}[surfaces.roof]\ndisk = {{ center = [0, 0, {z}], radius = 30 }}\n")
+    };
+    let words = ["light \"lamp\"", "surface \"roof\" is in its way"];
+    texts_told_apart("light-blocked", &words, &roof(4.0), &roof(6.0));
+    let dome = |inside: &str| {
+        format!("integrator = 'path'\n{SCENE}[surfaces.sky_dome]\nsphere = {{ radius = 50 }}\n")
+            .replace("[lights.lamp.point]\n    position = [2, -4, 5]\n    power = '1 kW'", inside)
+    };
+    let sky = "[environment.uniform]\nradiance = 1\n";
+    let open =
+        SCENE.replace("[lights.lamp.point]\n    position = [2, -4, 5]\n    power = '1 kW'", sky);
+    let words = ["environment", "at \"sky_dome\""];
+    texts_told_apart("light-blocked", &words, &dome(sky), &open);
+}
+
+#[test]
+fn lights_that_shine_elsewhere() {
+    let spot = |direction: &str| {
+        SCENE
+            .replace("lamp.point", "lamp.spot")
+            .replace("power = '1 kW'", &format!("intensity = 80\ndirection = {direction}"))
+    };
+    let words = ["shines past", "turn it around: direction = [-1, 1, -1]"];
+    texts_told_apart("light-averted", &words, &spot("[1, -1, 1]"), &spot("[-2, 4, -4]"));
+    let sun = |direction: &str| {
+        let lamp = "point]\n    position = [2, -4, 5]\n    power = '1 kW'";
+        changed(lamp, &format!("directional]\ndirection = {direction}\nirradiance = 3"), "")
+    };
+    let words = ["all of it faces away", "turn it around: direction = [0, -0.2, -1]"];
+    texts_told_apart("light-averted", &words, &sun("[0, 0.2, 1]"), &sun("[0, -0.2, -1]"));
+    let panel = |edges: &str| {
+        let panel = "[surfaces.panel]\nlight = { radiance = 5 }\nquad = { corner = [-1, -1, 5]";
+        format!("{SCENE}{panel}, {edges} }}\n")
+    };
+    let (up, down) =
+        ("edge_u = [2, 0, 0], edge_v = [0, 2, 0]", "edge_u = [0, 2, 0], edge_v = [2, 0, 0]");
+    let words = ["surface \"panel\"", "two_sided"];
+    texts_told_apart("light-averted", &words, &panel(up), &panel(down));
+}
+
+#[test]
+fn lights_that_are_off_or_too_bright() {
+    let power = |power: &str| changed("'1 kW'", power, "");
+    texts_told_apart("light-off", &["light \"lamp\""], &power("0"), SCENE);
+    let panel = |radiance: f32| {
+        format!(
+            "{SCENE}[surfaces.panel]\nlight = {{ radiance = {radiance} }}\nquad = {{ corner = [-1, -1, 5], edge_u = [0, 2, 0], edge_v = [2, 0, 0] }}\n"
+        )
+    };
+    texts_told_apart("emitter-off", &["surface \"panel\""], &panel(0.0), &panel(1.0));
+    let sun = |irradiance: &str| {
+        format!(
+            "{SCENE}[lights.sun.directional]\ndirection = [0, 1, -1]\nirradiance = {irradiance}\n"
+        )
+    };
+    let words = ["light \"sun\"", "100000 W/m²", "irradiance = \"100000 lx\""];
+    texts_told_apart("light-units", &words, &sun("100000"), &sun("'100000 lx'"));
+    let second = |power: &str| {
+        format!("{SCENE}[lights.second.point]\nposition = [-2, -4, 5]\npower = {power}\n")
+    };
+    texts_told_apart("light-factor", &["683"], &second("683000"), &second("683500"));
+    texts_told_apart("light-factor", &["4π"], &second("12566.370614"), &second("12500"));
+    let radius = |radius: f32| SCENE.to_owned() + &format!("radius = {radius}");
+    texts_told_apart("light-radius", &["radius 30 m"], &radius(30.0), &radius(0.5));
+}
+
+#[test]
+fn environments_that_are_black() {
+    let sky = |radiance: f32| format!("{SCENE}[environment.uniform]\nradiance = {radiance}\n");
+    texts_told_apart("environment-black", &["all of it is black"], &sky(0.0), &sky(0.01));
+    let picture = |value: f32| {
+        let mut scene = read(&sky(1.0));
+        let texels = Texels::Linear(vec![[value, value, value, 1.0]; 2]);
+        let pixels = Arc::new(Pixels { name: "sky".into(), width: 2, height: 1, texels });
+        let sky = Sky::Picture { pixels, sampling: Sampling::Bilinear };
+        scene.environment.as_mut().unwrap().sky = sky;
+        scene
+    };
+    told_apart("environment-black", &["environment"], &picture(0.0), &picture(0.5));
+}
+
+#[test]
+fn cameras_that_see_nothing() {
+    let target = |target: &str| changed("[0, 0, 0.5]", target, "");
+    let words = ["nothing is in front of the camera", "--camera frame"];
+    texts_told_apart("camera-sees-nothing", &words, &target("[0, -6, 9]"), SCENE);
+    let inside = |at: &str| changed("[0, -6, 3]", at, "");
+    texts_told_apart("camera-inside", &["surface \"ball\""], &inside("[0, -0.3, 1.2]"), SCENE);
+    let fov = |fov: &str| changed("fov = 40", &format!("fov = {fov}"), "");
+    let words = ["0.700° is a telescope's", "fov = \"0.7000 rad\""];
+    texts_told_apart("camera-fov", &words, &fov("0.7"), &fov("'0.7 rad'"));
+    let small = |y: f32| {
+        let floor = "[surfaces.floor]\n    disk = { radius = 20 }";
+        changed(floor, "", "").replace("[0, -6, 3]", &format!("[0, {y}, 3]"))
+    };
+    texts_told_apart("camera-far", &["picture's height"], &small(-2000.0), &small(-20.0));
+    let lens = |focus: f32| {
+        changed("perspective", "thin_lens", "")
+            .replace("fov = 40", &format!("fov = 40\naperture = 0.5\nfocus_distance = {focus}"))
+    };
+    texts_told_apart(
+        "camera-focus",
+        &["sharp at 500 mm", "focus_distance"],
+        &lens(0.5),
+        &lens(6.0),
+    );
+}
+
+#[test]
+fn a_camera_in_a_room_is_well() {
+    let room = "
+        film = { resolution = [48, 32], samples = 16 }
+        integrator = 'path'
+        [camera.perspective]
+        position = [0, -1.5, 1.5]
+        target = [0, 2, 1]
+        [surfaces.room]
+        box = { min = [-2, -2, 0], max = [2, 2, 3] }
+        [surfaces.table]
+        box = { min = [-0.5, 0.5, 0], max = [0.5, 1, 0.7] }
+        [lights.lamp.point]
+        position = [0, 0, 2.5]
+        power = 80
+    ";
+    assert_eq!(findings(&read(room)), []);
+}
+
+#[test]
+fn pictures_that_are_black_or_too_bright() {
+    let words = ["it is all black: 96 % of the shadow rays hit \"roof\""];
+    let roof = |z: f32| {
+        format!("{SCENE}[surfaces.roof]\ndisk = {{ center = [0, 0, {z}], radius = 30 }}\n")
+    };
+    texts_told_apart("picture-black", &words, &roof(4.0), &roof(6.0));
+    let torch = roof(4.0)
+        + "[lights.torch.spot]\nposition = [0, -3, 3]\ntarget = [1, -2, 0]\nintensity = 9\nouter_angle = 6\n";
+    let words = ["% of the pixels are black", "of the shadow rays hit \"roof\""];
+    texts_told_apart("picture-black", &words, &torch, &torch.replace("angle = 6", "angle = 60"));
+    let power = |power: &str| changed("'1 kW'", power, "");
+    let words = ["stops too dark", "--exposure", "800 lm"];
+    texts_told_apart("exposure-low", &words, &power("'800 lm'"), &power("'300000 lm'"));
+    texts_told_apart("picture-clipped", &["brighter than white"], &power("'1 MW'"), SCENE);
+    let hot = changed(
+        "power = '1 kW'",
+        "intensity = 1e38\n[lights.second.point]\nposition = [0, -2, 0.2]\nintensity = 3e38",
+        "",
+    );
+    texts_told_apart("samples-dropped", &["pixel ("], &hot, SCENE);
+}
+
+#[test]
+fn pictures_that_are_noisy() {
+    // A lamp in clear glass is found by chance alone; a bare one is asked.
+    let room = |samples: u32, glass: &str| {
+        format!(
+            "integrator = 'path'
+            film = {{ resolution = [48, 32], samples = {samples} }}
+            [camera.perspective]
+            position = [0, -1.9, 1.5]
+            target = [0, 2, 1]
+            [surfaces.room]
+            box = {{ min = [-2, -2, 0], max = [2, 2, 3] }}
+            [surfaces.lamp]
+            sphere = {{ center = [0, 0, 2.8], radius = 0.05 }}
+            light = {{ power = '60 W' }}
+            {glass}"
+        )
+    };
+    let shade = "[surfaces.shade]\nmaterial = 'glass'\nsphere = { center = [0, 0, 2.8], radius = 0.1 }\n[materials.glass.dielectric]\n";
+    texts_told_apart("noise", &["--spp", "--noise"], &room(16, shade), &room(64, ""));
+}
+
+#[test]
+fn surfaces_in_each_other() {
+    let table = |z: f32| {
+        format!(
+            "{SCENE}[surfaces.table]\nquad = {{ corner = [-3, -3, {z}], edge_u = [6, 0, 0], edge_v = [1, 7, 0] }}\nmaterial = 'paint'\n"
+        )
+    };
+    texts_told_apart("surfaces-coincide", &["up to rounding"], &table(0.0), &table(0.01));
+    let twice = |x: f32| {
+        format!(
+            "{SCENE}[instances.copy]\nof = 'ball'\ntransform = [{{ translate = [{x}, 0, 0] }}]\n"
+        )
+    };
+    let words = ["surface \"copy\"", "surface \"ball\""];
+    texts_told_apart("duplicate-surfaces", &words, &twice(0.0), &twice(2.5));
+}
+
+/// The scene with a mesh in the place of the ball: a tetrahedron, changed.
+fn with_mesh(change: impl Fn(&mut Mesh, &mut Material)) -> SceneDescription {
+    let mut scene = read(SCENE);
+    let corners = [[-1.0, -1.0, 0.1], [1.0, -1.0, 0.1], [0.0, 1.0, 0.1], [0.0, 0.0, 2.0]];
+    let positions: Vec<Vec3> = corners.map(Vec3::from).to_vec();
+    let middle = positions.iter().sum::<Vec3>() / 4.0;
+    // Each face has corners of its own.
+    let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    let mut mesh = Mesh { name: "body".into(), ..Mesh::default() };
+    for (number, face) in (0..).zip(faces) {
+        let [a, b, c] = face.map(|i: usize| positions[i]);
+        let normal = (b - a).cross(c - a).normalize();
+        assert!(normal.dot(a - middle) > 0.0);
+        mesh.positions.extend([a, b, c]);
+        mesh.normals.extend([normal; 3]);
+        mesh.triangles.push([3 * number, 3 * number + 1, 3 * number + 2]);
+    }
+    change(&mut mesh, &mut scene.materials[0]);
+    scene.meshes.push(Arc::new(mesh));
+    scene.surfaces[0].shape = Shape::Mesh(0);
+    scene
+}
+
+#[test]
+fn meshes_that_cannot_be_right() {
+    let whole = with_mesh(|_, _| {});
+    assert_eq!(findings(&whole), []);
+    let flat = with_mesh(|mesh, _| mesh.triangles.extend([[0, 0, 1], [2, 2, 2]]));
+    told_apart("triangles-degenerate", &["33.3 % of its triangles (2)"], &flat, &whole);
+    let zero = with_mesh(|mesh, _| mesh.normals[4] = Vec3::NAN);
+    told_apart("normals-zero", &["8.3 % of its vertex normals"], &zero, &whole);
+    let far = with_mesh(|mesh, _| {
+        mesh.normals.iter_mut().for_each(|n| *n = n.any_orthonormal_vector());
+    });
+    told_apart("normals-far", &["100 % of its vertex normals"], &far, &whole);
+}
+
+#[test]
+fn backs_that_are_seen() {
+    let turned = |one_sided: bool| {
+        with_mesh(move |mesh, material| {
+            mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(0, 1));
+            material.double_sided = !one_sided;
+        })
+    };
+    let words = ["surface \"ball\"", "inside out"];
+    let close = |mut scene: SceneDescription| {
+        scene.cameras[0].projection = Projection::Perspective { vertical_fov: 0.4 };
+        scene
+    };
+    told_apart("seen-from-behind", &words, &close(turned(true)), &close(turned(false)));
+    let floor = |double_sided: bool| {
+        let text = "[camera.perspective]\nposition = [0, 0, -3]\ntarget = [0, 1, 0]\n[surfaces.floor]\nmaterial = 'tiles'\nquad = {}\n[lights.l.ambient]\nradiance = 0.5\n[materials.tiles.lambert]\n";
+        format!("film.resolution = [48, 32]\n{text}double_sided = {double_sided}\n")
+    };
+    texts_told_apart(
+        "seen-from-behind",
+        &["surface \"floor\"", "double_sided = true"],
+        &floor(false),
+        &floor(true),
+    );
+}
+
+#[test]
+fn glass_that_is_open_or_inside_out() {
+    let pane = |kind: &str| {
+        let pane = "[surfaces.pane]\nquad = { corner = [-1, -3, 0.2], edge_u = [2, 0, 0], edge_v = [0, 0, 2] }\nmaterial = 'glass'\n";
+        format!("integrator = 'path'\n{SCENE}{pane}[materials.glass.{kind}]\n")
+    };
+    texts_told_apart("glass-open", &["thin_glass"], &pane("dielectric"), &pane("thin_glass"));
+    let glass = |change: fn(&mut Mesh)| {
+        with_mesh(move |mesh, material| {
+            change(mesh);
+            let facets = Facets::of(Scalar::constant(0.0));
+            material.scattering = Scattering::Dielectric { facets };
+            material.interior = Some(Interior::clear(1.5));
+        })
+    };
+    let whole = glass(|_| {});
+    let open = glass(|mesh| mesh.triangles.truncate(3));
+    told_apart("glass-open", &["50 % of its edges are open"], &open, &whole);
+    let turned = glass(|mesh| mesh.triangles.iter_mut().for_each(|t| t.swap(0, 1)));
+    told_apart("glass-inside-out", &["faces inwards"], &turned, &whole);
+}
+
+#[test]
+fn materials_that_cannot_be() {
+    let with = |change: fn(&mut Material)| with_mesh(move |_, material| change(material));
+    let bright = with(|material| material.reflectance = Texture::constant(Rgb::new(0.2, 1.5, 0.2)));
+    let white = with(|material| material.reflectance = Texture::constant(Rgb::ONE));
+    told_apart("reflectance-above-one", &["material \"paint\"", "1.50 times"], &bright, &white);
+    let masked = |cutoff: f32| {
+        let mut scene = with_mesh(|_, material| material.reflectance.factor[3] = 0.4);
+        scene.materials[0].alpha = Alpha::Mask { cutoff };
+        scene
+    };
+    let words = ["alpha is at most 0.40, below the cutoff 0.50"];
+    told_apart("material-invisible", &words, &masked(0.5), &masked(0.3));
+    let blended = |alpha: f32| {
+        let mut scene = with_mesh(|_, material| material.alpha = Alpha::Blend);
+        scene.materials[0].reflectance.factor[3] = alpha;
+        scene
+    };
+    told_apart("material-invisible", &["alpha is 0"], &blended(0.0), &blended(0.5));
+}
+
+/// The scene with a picture on its mesh, whose texels are given by place.
+fn with_picture(
+    side: u32,
+    texel: fn(u32) -> [u8; 4],
+    use_it: fn(&mut Material, Texture),
+) -> SceneDescription {
+    let mut scene = with_mesh(|mesh, _| mesh.uvs = vec![vec![Vec2::splat(0.5); 12]]);
+    let texels = Texels::Srgb8((0..side * side).map(texel).collect());
+    scene.images.push(Arc::new(Pixels {
+        name: "it.png".into(),
+        width: side,
+        height: side,
+        texels,
+    }));
+    let pattern = Pattern::Image {
+        image: 0,
+        uv_set: 0,
+        transform: UvTransform::IDENTITY,
+        wrap: [Wrap::Repeat; 2],
+        sampling: Sampling::Bilinear,
+    };
+    use_it(&mut scene.materials[0], Texture { pattern, ..Texture::constant(Rgb::ONE) });
+    scene
+}
+
+fn colored(material: &mut Material, texture: Texture) {
+    material.reflectance = texture;
+}
+
+fn bent(material: &mut Material, texture: Texture) {
+    material.normal = Some(NormalMap { texture, scale: 1.0 });
+}
+
+#[test]
+fn pictures_on_surfaces() {
+    let stripes = |i: u32| [(i % 200) as u8, 90, 40, 255];
+    let whole = with_picture(16, stripes, colored);
+    assert_eq!(findings(&whole), []);
+    let mut lost = whole.clone();
+    Arc::make_mut(&mut lost.meshes[0]).uvs.clear();
+    told_apart("texture-uvs", &["surface \"ball\"", "it.png"], &lost, &whole);
+    let flat = with_picture(16, |_| [10, 20, 30, 255], colored);
+    told_apart("texture-flat", &["it.png"], &flat, &whole);
+    let bumps = |i: u32| [if i.is_multiple_of(2) { 108 } else { 148 }, 128, 252, 255];
+    let words = ["looks like a map of normals"];
+    told_apart("texture-curve", &words, &with_picture(16, bumps, colored), &whole);
+    let decoded = with_picture(16, |i| [50 + (i % 9) as u8, 55, 250, 255], bent);
+    told_apart("texture-curve", &["was decoded"], &decoded, &with_picture(16, bumps, bent));
+    let encoded = with_picture(16, |i| [184 + (i % 9) as u8, 188, 254, 255], bent);
+    told_apart("texture-curve", &["was encoded"], &encoded, &with_picture(16, bumps, bent));
+    let both = with_picture(16, stripes, |material, texture| {
+        let roughness = Scalar { texture: texture.clone(), channel: 1, complement: false };
+        material.reflectance = texture;
+        material.scattering = Scattering::Matte { roughness };
+    });
+    told_apart("texture-role", &["as numbers"], &both, &whole);
+}
+
+#[test]
+fn lengths_in_another_unit() {
+    let large = |unit: f64| {
+        let mut scene = read(&changed("'1 kW'", "'800 lm'", ""));
+        for surface in &mut scene.surfaces {
+            surface.transform = glam::DAffine3::from_scale(glam::DVec3::splat(unit));
+        }
+        let camera = &mut scene.cameras[0];
+        (camera.position, camera.target) = (unit * camera.position, unit * camera.target);
+        if let Light::Point { position, .. } = &mut scene.lights[0].light {
+            *position *= unit;
+        }
+        scene
+    };
+    told_apart(
+        "size-millimetres",
+        &["40 km across", "40 m", "--unit mm"],
+        &large(1000.0),
+        &large(1.0),
+    );
+    let models = |scale: f32| {
+        let mut scene = with_mesh(|_, _| {});
+        scene.surfaces[0].name = "chair/body".into();
+        scene.surfaces.push(Surface { name: "table/body".into(), ..scene.surfaces[0].clone() });
+        let transform = glam::DAffine3::from_scale(glam::DVec3::splat(scale.into()));
+        scene.surfaces[2].transform =
+            glam::DAffine3::from_translation(glam::DVec3::Y * 3.0) * transform;
+        scene
+    };
+    told_apart("size-mixed", &["model \"table\"", "same unit"], &models(1000.0), &models(2.0));
+}
+
+/// No finding without a scene that has it: each code is in a test above.
+#[test]
+fn every_code_is_tested() {
+    let (tests, list) = (include_str!("tests.rs"), CODES.iter().map(|(code, _)| code));
+    let untested: Vec<_> = list.filter(|code| !tests.contains(&format!("\"{code}\","))).collect();
+    assert!(untested.is_empty(), "{untested:?}");
+    assert!(CODES.is_sorted(), "in the order of the alphabet");
+}

@@ -1,0 +1,86 @@
+//! What the passport of a light says, against formulas.
+
+use firstlight::io::scene_file;
+use firstlight::passport::{Entry, Passport};
+use firstlight::{FileAccess, Scene};
+use glam::DVec3;
+use std::f64::consts::PI;
+use std::path::Path;
+
+/// Two balls whose middle is the origin, and what is added to them.
+fn passport(more: &str) -> Passport {
+    let text = format!(
+        "luminous_efficacy = 179
+         surfaces.left.sphere = {{ center = [-5, 0, 0], radius = 1 }}
+         surfaces.right.sphere = {{ center = [5, 0, 0], radius = 1 }}
+         {more}"
+    );
+    let access = FileAccess::beside(Path::new("scene.toml"), &[]);
+    let scene = scene_file::read(&text, "scene.toml", &[], &access, &mut Vec::new()).unwrap();
+    let passport = Passport::new(&scene, &Scene::build(&scene));
+    assert!(passport.middle.distance(DVec3::ZERO) < 1e-3, "{}", passport.middle);
+    passport
+}
+
+fn only(more: &str) -> Entry {
+    let [entry] = <[_; 1]>::try_from(passport(more).lights).unwrap();
+    entry
+}
+
+#[track_caller]
+fn near(value: f32, expected: f64) {
+    assert!((f64::from(value) / expected - 1.0).abs() < 2e-3, "{value} is not {expected}");
+}
+
+#[test]
+fn lamps_and_spots() {
+    let lamp = only("lights.l.point = { position = [0, 0, 2], power = '1790 lm' }");
+    near(lamp.power.unwrap().x, 10.0);
+    near(lamp.intensity.unwrap().x, 10.0 / (4.0 * PI));
+    near(lamp.irradiance.x, 10.0 / (16.0 * PI));
+    assert_eq!((lamp.written.as_str(), lamp.blocked), ("1.79 klm", None));
+    // A hard cone of 60° is a quarter of the sphere.
+    let cone = "inner_angle = 59.999, outer_angle = 60";
+    let spot = only(&format!(
+        "lights.s.spot = {{ position = [0, 0, 3], target = [0, 0, 0], intensity = 9, {cone} }}"
+    ));
+    near(spot.power.unwrap().x, 9.0 * PI);
+    near(spot.irradiance.x, 1.0);
+}
+
+#[test]
+fn what_is_all_around_counts_for_a_horizontal_surface() {
+    near(only("environment.uniform = { radiance = 2 }").irradiance.x, 2.0 * PI);
+    near(only("lights.a.ambient = { radiance = 2 }").irradiance.x, 2.0 * PI);
+    // The sine of the elevation from 0 to 1: π ∫ 2 s² ds.
+    let gradient = only("environment.gradient = { zenith = 3, horizon = 0 }");
+    near(gradient.irradiance.x, 2.0 * PI);
+}
+
+#[test]
+fn surfaces_that_shine() {
+    let panel = "surfaces.panel = { quad = { corner = [-0.1, -0.1, 4], edge_u = [0, 0.2, 0], edge_v = [0.2, 0, 0] }, light = { power = 5 } }";
+    let panel = passport(&format!(
+        "{panel}\nsurfaces.below.sphere = {{ center = [0, 0, -4], radius = 0.0001 }}"
+    ))
+    .lights;
+    assert_eq!((panel.len(), panel[0].name.as_str()), (1, "panel"));
+    near(panel[0].power.unwrap().x, 5.0);
+    near(panel[0].radiance.unwrap().x, 5.0 / (0.04 * PI));
+    // From afar, L A / r².
+    near(panel[0].irradiance.x, 5.0 / PI / 16.0);
+}
+
+#[test]
+fn what_stands_in_between_is_named() {
+    let wall = "surfaces.wall.disk = { center = [0, 0, 0.5], radius = 0.5 }
+        surfaces.under.disk = { center = [0, 0, -0.5], radius = 0.1 }";
+    let lamp = only(&format!("{wall}\nlights.l.point = {{ position = [0, 0, 2], power = 10 }}"));
+    assert_eq!(lamp.blocked, Some((1.0, "wall".into())));
+    let beside = only(&format!("{wall}\nlights.l.point = {{ position = [0, 9, 2], power = 10 }}"));
+    assert_eq!(beside.blocked, None);
+    let unshadowed = only(&format!(
+        "{wall}\nlights.l.point = {{ position = [0, 0, 2], power = 10, shadows = false }}"
+    ));
+    assert_eq!(unshadowed.blocked, None);
+}
