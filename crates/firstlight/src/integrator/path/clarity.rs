@@ -205,7 +205,8 @@ impl<'a> Clarity<'a> {
                 continue;
             }
             on_surface.push(walk.sample);
-            let at = scene.interaction(ray, hit);
+            let mut at = scene.interaction(ray, hit);
+            at.seen_width = walk.cone.after(hit.t).width;
             let (material, is_cut) = (scene.material(hit), self.section.is_some() && !at.front);
             let emitted = scene.emitted(material, &at);
             let color = match emitted.max_element() {
