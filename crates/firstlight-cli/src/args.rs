@@ -88,7 +88,7 @@ pub(crate) struct PictureArgs {
     /// The camera to use; frame: one that shows everything [default: the scene's first]
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
-    /// Stops of exposure (0: radiance 1 is white), or auto
+    /// Stops of exposure (0: radiance 1 is white), auto, or a camera's settings: "1/125 f/8 ISO 100"
     #[arg(long, value_name = "EV|auto", value_parser = exposure, allow_hyphen_values = true)]
     pub exposure: Option<Exposure>,
     /// How bright light is brought into what screens show [default: srgb, cut off at white]
@@ -105,6 +105,9 @@ pub(crate) struct PictureArgs {
     /// Make the background transparent
     #[arg(long)]
     pub transparent: bool,
+    /// Leave out what light scattered more than once brings beyond this radiance; the report says how much that was
+    #[arg(long, value_name = "RADIANCE", value_parser = clamp, allow_hyphen_values = true)]
+    pub clamp: Option<f64>,
     /// Seed of every random number
     #[arg(long, value_name = "N", value_parser = seed)]
     #[arg(allow_negative_numbers = true)]
@@ -222,6 +225,9 @@ pub(crate) struct OutputArgs {
     /// File format, if the extension does not say it (- is written as png)
     #[arg(long, value_enum)]
     pub format: Option<FormatName>,
+    /// Round to the nearest of the 256 steps of a PNG, which shows bands in soft shades
+    #[arg(long)]
+    pub no_dither: bool,
 }
 
 #[derive(Debug, Args)]
@@ -647,6 +653,11 @@ fn range(text: &str) -> Parsed<[f64; 2]> {
     }
 }
 
+fn clamp(text: &str) -> Parsed<f64> {
+    let bound = text.trim().parse().ok().filter(|bound: &f64| bound.is_finite() && *bound > 0.0);
+    bound.ok_or_else(|| "needs a radiance greater than 0, in W/(sr m²), such as 10".into())
+}
+
 fn sample_range(text: &str) -> Parsed<[u32; 2]> {
     let ends = text.split_once("..").map(|(from, to)| (from.trim().parse(), to.trim().parse()));
     match ends {
@@ -752,7 +763,10 @@ fn exposure(text: &str) -> Parsed<Exposure> {
     if text == "auto" {
         return Ok(Exposure::Auto);
     }
-    let wrong = |error| format!("{error}; or auto");
+    if text.contains('/') {
+        return text.parse().map(Exposure::Camera);
+    }
+    let wrong = |error| format!("{error}; or auto, or a camera's \"1/125 f/8 ISO 100\"");
     number(text, FilmDescription::MOST_STOPS).map(Exposure::Ev).map_err(wrong)
 }
 

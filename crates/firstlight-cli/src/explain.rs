@@ -9,7 +9,6 @@ use firstlight::explain::{
 };
 use firstlight::io::{self, Warnings};
 use firstlight::render::{RenderOptions, render, with_threads};
-use firstlight::scene::description::Exposure;
 use firstlight::units;
 use firstlight::{BuildQuality, Scene, SceneDescription, auto_exposure};
 use serde_json::json;
@@ -59,13 +58,10 @@ fn check_pixel(scene: &SceneDescription, [x, y]: [u32; 2]) -> Outcome<()> {
 
 /// The exposure of the picture; to find it automatically, all of it has to be rendered.
 fn exposure(scene: &Scene, threads: usize) -> f64 {
-    match scene.film().exposure {
-        Exposure::Ev(ev) => ev,
-        Exposure::Auto => {
-            let options = RenderOptions { threads, ..RenderOptions::default() };
-            auto_exposure(&render(scene, &options, &|_| ControlFlow::Continue(())).image)
-        }
-    }
+    scene.film().exposure.stops(scene.luminous_efficacy()).unwrap_or_else(|| {
+        let options = RenderOptions { threads, ..RenderOptions::default() };
+        auto_exposure(&render(scene, &options, &|_| ControlFlow::Continue(())).image)
+    })
 }
 
 /// An explanation in words.

@@ -102,6 +102,7 @@ fn as_json(scene: &SceneDescription) -> Value {
             "exposure_ev": match film.exposure {
                 Exposure::Ev(ev) => json!(ev),
                 Exposure::Auto => json!("auto"),
+                Exposure::Camera(_) => json!(film.exposure.stops(scene.luminous_efficacy)),
             },
             "transparent": film.transparent,
         },
@@ -285,6 +286,8 @@ fn material_text(material: &Material) -> String {
         }
         Pattern::Image { .. } => "a picture".into(),
         Pattern::Checker { .. } => "a checkerboard".into(),
+        Pattern::Gradient { .. } => "a gradient".into(),
+        Pattern::Noise { .. } => "noise".into(),
     };
     let [r, g, b, _] = material.emission.factor;
     let emission = match r.max(g).max(b) > 0.0 {
@@ -325,6 +328,9 @@ fn film_text(film: &FilmDescription) -> String {
     let exposure = match film.exposure {
         Exposure::Ev(ev) => format!("exposure {ev:+} EV"),
         Exposure::Auto => "exposure auto".into(),
+        Exposure::Camera(CameraSettings { shutter, f_number, iso }) => {
+            format!("exposure {} f/{f_number} ISO {iso}", units::format(shutter, "s"))
+        }
     };
     let transparent = if film.transparent { ", transparent" } else { "" };
     let FilmDescription { width, height, samples, seed, .. } = film;

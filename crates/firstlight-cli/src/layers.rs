@@ -64,7 +64,8 @@ pub(crate) fn encode(
         lights.channels(description, wanted).into_iter().chain(data).collect();
     let names = wanted.contains(&Layer::Cryptomatte).then(|| CryptoNames::new(description));
     let attributes = names.map_or(Vec::new(), |names| names.attributes());
-    let develop = Develop { exposure_ev: picture.exposure_ev as f32, view: picture.view };
+    let (exposure_ev, view) = (picture.exposure_ev as f32, picture.view);
+    let develop = Develop { exposure_ev, view, dither: false };
     save_layers(&picture.rendered.image, channels, attributes, develop, metadata)
         .map_err(|error| Failure { exit: Exit::Failed, error })
 }

@@ -7,7 +7,7 @@ use crate::{Exit, Outcome, machine, report};
 use firstlight::diagnostic::{Diagnostic, visible};
 use firstlight::io::{Limits, Part, PartInfo, load_part, merge_parts};
 use firstlight::render::Rendered;
-use firstlight::scene::description::Exposure;
+use firstlight::scene::description::LuminousEfficacy;
 use serde_json::json;
 use std::ffi::OsStr;
 use std::path::Path;
@@ -24,11 +24,12 @@ pub(crate) fn run(args: &MergeArgs) -> Outcome {
     let output = Output::plan(&args.output, stem.unwrap_or(OsStr::new("scene")), args.json)?;
     let inputs = args.parts.iter().filter_map(|path| path.canonicalize().ok());
     output.spare(&inputs.collect())?;
-    let exposure = args.exposure.unwrap_or(info.exposure.map_or(Exposure::Auto, Exposure::Ev));
+    let asked = args.exposure.map(|exposure| exposure.stops(LuminousEfficacy::default()));
+    let stops = asked.unwrap_or(info.exposure);
     let view = args.view.unwrap_or(info.view);
     let rendered = Rendered::of_film(film, info.count());
-    let picture = Picture::new(rendered, exposure, view, output.format);
-    write_picture(&info, &picture, &output)?;
+    let picture = Picture::new(rendered, stops, view, output.format);
+    write_picture(&info, &picture, !args.output.no_dither, &output)?;
     tell(args, &info, &picture, &output)?;
     Ok(Exit::Done)
 }

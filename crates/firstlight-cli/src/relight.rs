@@ -6,7 +6,7 @@ use crate::{Exit, Failure, Outcome, machine, report};
 use firstlight::color::Rgb;
 use firstlight::diagnostic::{Diagnostic, visible};
 use firstlight::io::{Develop, LayerFile, Limits, Metadata, load_layers, save};
-use firstlight::scene::description::Exposure;
+use firstlight::scene::description::LuminousEfficacy;
 use firstlight::{Image, auto_exposure};
 use std::collections::BTreeSet;
 
@@ -20,12 +20,12 @@ pub(crate) fn run(args: &RelightArgs) -> Outcome {
     let decoded_bytes = machine::available_memory().unwrap_or(Limits::default().decoded_bytes);
     let file = load_layers(&args.layers, &Limits { decoded_bytes })?;
     let image = args.mix(&file)?;
-    let exposure_ev = match args.exposure {
+    let exposure_ev = match args.exposure.map(|e| e.stops(LuminousEfficacy::default())) {
         None => file.exposure_ev.unwrap_or(0.0),
-        Some(Exposure::Ev(ev)) => ev as f32,
-        Some(Exposure::Auto) => auto_exposure(&image) as f32,
+        Some(stops) => stops.unwrap_or_else(|| auto_exposure(&image)) as f32,
     };
-    let develop = Develop { exposure_ev, view: args.view.unwrap_or_default() };
+    let (view, dither) = (args.view.unwrap_or_default(), !args.output.no_dither);
+    let develop = Develop { exposure_ev, view, dither };
     let bytes = save(&image, output.format, develop, &Metadata::default())
         .map_err(|error| Failure { exit: Exit::Failed, error })?;
     output.write(&bytes)?;

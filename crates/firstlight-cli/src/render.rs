@@ -17,7 +17,6 @@ use firstlight::render::{
     Crop, PASS as SAMPLES_PER_PASS, Progress, RenderOptions, Rendered, Stop, render, render_layers,
     with_threads,
 };
-use firstlight::scene::description::Exposure;
 use firstlight::{Scene, SceneDescription, auto_exposure};
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
@@ -25,6 +24,8 @@ use std::time::Instant;
 
 /// Bytes of memory per pixel: the film's sums and the picture that becomes of them.
 const PIXEL_BYTES: u64 = 96;
+/// The same where the sums are kept in two halves.
+const HALVED_PIXEL_BYTES: u64 = 176;
 /// Bytes of memory per pixel of a part: the sums three times over, on their way to the file.
 const PART_PIXEL_BYTES: u64 = 352;
 
@@ -104,10 +105,10 @@ pub(crate) fn run(args: RenderArgs) -> Outcome {
 fn plan(args: &RenderArgs) -> Outcome<Output> {
     let stem = args.picture.input.stem();
     let Some([from, to]) = args.samples else {
-        let OutputArgs { path, format } = &args.output;
+        let OutputArgs { path, format, no_dither } = &args.output;
         let format =
             format.or(args.aov.as_ref().map(|_| FormatName::Exr).filter(|_| path.is_none()));
-        let output = OutputArgs { path: path.clone(), format };
+        let output = OutputArgs { path: path.clone(), format, no_dither: *no_dither };
         return Output::plan(&output, stem, args.json);
     };
     let mut stem = stem.to_owned();
@@ -136,7 +137,11 @@ fn check_size(scene: &SceneDescription, args: &RenderArgs) -> Result<()> {
         let message = format!("{x},{y},{w},{h} reaches beyond the picture of {width} × {height}");
         return Err(Box::new(Diagnostic::new("--crop", message)));
     }
-    let pixel_bytes = args.samples.map_or(PIXEL_BYTES, |_| PART_PIXEL_BYTES);
+    let pixel_bytes = match args.samples {
+        Some(_) => PART_PIXEL_BYTES,
+        None if args.is_endless() => HALVED_PIXEL_BYTES,
+        None => PIXEL_BYTES,
+    };
     let needed = u64::from(crop.width) * u64::from(crop.height) * pixel_bytes;
     match machine::available_memory() {
         Some(available) if needed > available => Err(too_large(crop, needed, available)),
@@ -186,7 +191,8 @@ fn draw(
     bar.finish();
     rendered.interrupted |= signal.asked();
     let film = scene.film();
-    (Picture::new(rendered, film.exposure, film.view, format), lights)
+    let stops = film.exposure.stops(scene.luminous_efficacy());
+    (Picture::new(rendered, stops, film.view, format), lights)
 }
 
 impl RenderArgs {
@@ -199,12 +205,9 @@ impl RenderArgs {
 
 impl Picture {
     /// With the exposure that is asked for, or found from the picture.
-    pub(crate) fn new(rendered: Rendered, exposure: Exposure, view: View, format: Format) -> Self {
-        let (exposure_ev, auto_exposure) = match exposure {
-            Exposure::Ev(ev) => (ev, false),
-            Exposure::Auto => (auto_exposure(&rendered.image), true),
-        };
-        Self { rendered, exposure_ev, auto_exposure, view, format }
+    pub(crate) fn new(rendered: Rendered, stops: Option<f64>, view: View, format: Format) -> Self {
+        let exposure_ev = stops.unwrap_or_else(|| auto_exposure(&rendered.image));
+        Self { rendered, exposure_ev, auto_exposure: stops.is_none(), view, format }
     }
 }
 
@@ -268,7 +271,7 @@ fn write(
         return output.write(&bytes);
     }
     if args.samples.is_none() {
-        return write_picture(&info, picture, output);
+        return write_picture(&info, picture, !args.output.no_dither, output);
     }
     let saved = save_part(&info, &picture.rendered.film);
     let bytes = saved.map_err(|error| Failure { exit: Exit::Failed, error })?;
@@ -276,8 +279,13 @@ fn write(
 }
 
 /// Writes a picture and how it was made.
-pub(crate) fn write_picture(info: &PartInfo, picture: &Picture, output: &Output) -> Outcome<()> {
-    let develop = Develop { exposure_ev: picture.exposure_ev as f32, view: picture.view };
+pub(crate) fn write_picture(
+    info: &PartInfo,
+    picture: &Picture,
+    dither: bool,
+    output: &Output,
+) -> Outcome<()> {
+    let develop = Develop { exposure_ev: picture.exposure_ev as f32, view: picture.view, dither };
     let metadata = metadata(info, picture);
     let bytes = save(&picture.rendered.image, output.format, develop, &metadata)
         .map_err(|error| Failure { exit: Exit::Failed, error })?;
@@ -299,7 +307,7 @@ fn info(args: &RenderArgs, scene: &SceneDescription, picture: &Picture) -> PartI
         crop: [x, y, width, height],
         samples: film.samples,
         seed: film.seed,
-        exposure: if let Exposure::Ev(ev) = film.exposure { Some(ev) } else { None },
+        exposure: film.exposure.stops(scene.luminous_efficacy),
         view: film.view,
         ranges: vec![[from, from + rendered.samples]],
     }
@@ -384,9 +392,13 @@ impl Done<'_> {
             false => String::new(),
         };
         let (time, rate) = (report::span(self.clock.total()), report::rate(self.rays_per_second()));
-        let (output, samples) = (self.output.name(), rendered.samples);
+        let output = self.output.name();
+        let samples = report::samples(rendered.samples, rendered.spread);
         let noise = report::noise(rendered.noise, !self.args.is_endless());
-        format!("{what} {output}: {width}×{height}, {samples} spp{noise}{exposure}, {time}, {rate}")
+        let clamped = report::clamped(&self.scene, rendered.clamped);
+        format!(
+            "{what} {output}: {width}×{height}, {samples}{noise}{clamped}{exposure}, {time}, {rate}"
+        )
     }
 
     fn json(&self) -> Value {
@@ -397,8 +409,14 @@ impl Done<'_> {
             "width": rendered.image.width(),
             "height": rendered.image.height(),
             "samples": rendered.samples,
+            "samples_per_pixel": {
+                "min": rendered.spread.fewest,
+                "mean": rendered.spread.mean,
+                "max": rendered.spread.most,
+            },
             "interrupted": rendered.interrupted,
             "noise": report::noise_json(rendered.noise, !self.args.is_endless()),
+            "clamped": scene.film.clamp.map(|_| rendered.clamped),
             "seconds": self.clock.json(),
             "rays": {
                 "camera": rendered.rays.camera,

@@ -1,9 +1,9 @@
 //! All that is said to people, on standard error.
 
-use firstlight::Noise;
 use firstlight::diagnostic::{Diagnostic, visible};
 use firstlight::render::Progress;
 use firstlight::units;
+use firstlight::{Noise, SceneDescription, Spread};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::{Value, json};
 use std::fmt::Display;
@@ -123,6 +123,14 @@ impl Steps {
     }
 }
 
+/// How many samples pixels have: `64 spp`, or `64 spp (24 to 312)`.
+pub(crate) fn samples(samples: u32, Spread { fewest, most, .. }: Spread) -> String {
+    if fewest == most {
+        return format!("{samples} spp");
+    }
+    format!("{samples} spp ({fewest} to {most})")
+}
+
 /// What there is to say about the noise of a picture, after a comma. The halves of one net of samples tell only how much
 /// it is `at_most`.
 pub(crate) fn noise(noise: Option<Noise>, at_most: bool) -> String {
@@ -133,6 +141,16 @@ pub(crate) fn noise(noise: Option<Noise>, at_most: bool) -> String {
         Some(percent) if percent < 0.01 => format!(", noise {bound}0.01 %"),
         Some(percent) if percent < 1.0 => format!(", noise {bound}{percent:.2} %"),
         Some(percent) => format!(", noise {bound}{percent:.1} %"),
+    }
+}
+
+/// What clamping has removed, after a comma, if it was asked for.
+pub(crate) fn clamped(scene: &SceneDescription, part: f64) -> String {
+    match scene.film.clamp {
+        Some(bound) => {
+            format!(", {:.2} % of all light removed by clamping at {bound}", 100.0 * part)
+        }
+        None => String::new(),
     }
 }
 
@@ -175,6 +193,13 @@ mod tests {
         assert_eq!(span(1.24), "1.2 s");
         assert_eq!(span(125.2), "2 min 5 s");
         assert_eq!(span(12_000.0), "3 h 20 min");
+    }
+
+    #[test]
+    fn samples_are_said_once_if_all_pixels_have_as_many() {
+        let of = |fewest, most| samples(64, Spread { fewest, mean: 64.2, most });
+        assert_eq!(of(64, 64), "64 spp");
+        assert_eq!(of(24, 312), "64 spp (24 to 312)");
     }
 
     #[test]

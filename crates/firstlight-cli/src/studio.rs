@@ -1,7 +1,6 @@
 //! The studio around a model, as the command line asks for it.
 
 use crate::args::{Axis, InputArgs, PictureArgs, StudioArgs};
-use firstlight::SceneDescription;
 use firstlight::color::Rgb;
 use firstlight::diagnostic::{Diagnostic, Result};
 use firstlight::io::model_override;
@@ -9,6 +8,7 @@ use firstlight::io::scene_file::Override;
 use firstlight::scene::Studio;
 use firstlight::scene::description::Exposure;
 use firstlight::units::Quantity;
+use firstlight::{Look, SceneDescription};
 use std::path::Path;
 
 impl StudioArgs {
@@ -78,7 +78,7 @@ impl StudioArgs {
     }
 
     /// The studio; of the parts that nobody asked for, `own_lights` leaves only the camera.
-    fn studio(&self, own_lights: bool, transparent: bool, efficacy: f64) -> Studio {
+    fn studio(&self, own_lights: bool, bare: bool, efficacy: f64) -> Studio {
         let usual = Studio::default();
         let light = |asked: Option<crate::args::Switch<Quantity>>, usual| match asked {
             Some(switch) => switch.on().map(|amount| amount.to_radiometric(efficacy).value),
@@ -87,7 +87,7 @@ impl StudioArgs {
         };
         let ground = match self.ground {
             Some(switch) => switch.on().map(rgb),
-            None if own_lights || transparent => None,
+            None if own_lights || bare => None,
             None => usual.ground,
         };
         Studio {
@@ -118,8 +118,9 @@ pub(crate) fn dress(scene: &mut SceneDescription, args: &PictureArgs) -> Result<
         scene.cameras.clear();
     }
     let own_lights = !scene.lights.is_empty() || scene.environment.is_some();
-    let (transparent, efficacy) = (scene.film.transparent, scene.luminous_efficacy.0);
-    let studio = args.studio.studio(own_lights, transparent, efficacy);
+    // Without a ground there is nothing around the model: for a transparent picture, or a drawing on paper.
+    let bare = scene.film.transparent || args.look == Some(Look::Clarity);
+    let studio = args.studio.studio(own_lights, bare, scene.luminous_efficacy.0);
     if own_lights {
         scene.lights.extend(studio.lights());
         if !sets_exposure(args) {

@@ -1,6 +1,6 @@
 //! From film points to rays.
 
-use crate::geometry::Ray;
+use crate::geometry::{Cone, Ray};
 use crate::math::tangents;
 use crate::scene::description::{CameraDescription, Projection};
 use glam::{DVec3, Vec2, Vec3};
@@ -100,10 +100,15 @@ impl Camera {
         }
     }
 
-    /// What one pixel covers at a distance along a ray, m.
-    pub(crate) fn footprint(&self, distance: f32) -> f32 {
-        let size = self.pixel_down.length();
-        if matches!(self.lens, Lens::Parallel) { size } else { size * distance }
+    /// What a ray of so many per pixel stands for: its share of the pixel, but not too little of it, since filters are
+    /// wider than their samples.
+    pub(crate) fn cone(&self, samples: u32) -> Cone {
+        let share = (1.0 / samples as f32).sqrt().max(0.125);
+        let width = share * self.pixel_right.length();
+        match self.lens {
+            Lens::Parallel => Cone { width, spread: 0.0 },
+            _ => Cone { width: 0.0, spread: width },
+        }
     }
 
     /// Whether rays depend on the point of the lens they go through.

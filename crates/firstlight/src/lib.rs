@@ -68,7 +68,7 @@ pub mod verify;
 
 pub use bvh::BuildQuality;
 pub use camera::Camera;
-pub use film::{Film, Noise, auto_exposure};
+pub use film::{Film, Noise, Spread, auto_exposure};
 pub use geometry::{Hit, Ray, solid_angle};
 pub use image::Image;
 pub use integrator::{Measurement, Meter, RayCounts};

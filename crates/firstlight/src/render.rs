@@ -1,6 +1,7 @@
 //! A whole picture: passes over tiles over threads.
 
-use crate::film::{Film, FilterSampler, Half, Noise, Tile};
+use crate::color::luminance;
+use crate::film::{Film, FilterSampler, Half, Noise, Sample, Spread, Tile};
 use crate::geometry::Ray;
 use crate::image::Image;
 use crate::integrator::{FILM, Gatherer, LENS, RayCounts, Record, Recorder};
@@ -23,9 +24,9 @@ pub struct RenderOptions {
     pub crop: Option<Crop>,
     /// Only these of the film's samples of each pixel: from the first up to, not including, the second.
     pub samples: Option<[u32; 2]>,
-    /// Take samples until told to stop, and not as many as the film says. The noise is then known without bias, by two
-    /// halves that know nothing of each other; the picture is a little noisier than one whose number of samples is known
-    /// from the start. Negative lobes of filters are left out.
+    /// Take samples until told to stop, and not as many as the film says; after the first few, more of them where there is
+    /// more noise. The noise is then known without bias, by two halves that know nothing of each other. Negative lobes of
+    /// filters are left out.
     pub endless: bool,
     /// Stop when the relative noise of the picture ([`Noise::relative`]) is down to this; it needs `endless`.
     pub noise: Option<f64>,
@@ -36,7 +37,7 @@ pub struct RenderOptions {
 pub enum Stop {
     /// At once: some pixels get more samples than others.
     Now,
-    /// When every pixel has as many samples as the others.
+    /// When every pixel has the samples that it is to have so far: as many as the others, unless there is no end.
     AfterPass,
 }
 
@@ -60,9 +61,9 @@ pub struct Progress {
     pub done: f64,
     /// Rays traced so far.
     pub rays: RayCounts,
-    /// Samples that every pixel has got so far.
+    /// Samples that pixels have got so far, in the mean.
     pub samples: u32,
-    /// Whether this is the end of a pass: every pixel has got as many as the others.
+    /// Whether this is the end of a pass over the picture.
     pub whole: bool,
 }
 
@@ -71,10 +72,14 @@ pub struct Progress {
 pub struct Rendered {
     /// Linear radiance; transparent where no sample was taken.
     pub image: Image,
-    /// Samples per pixel that every pixel got.
+    /// Samples per pixel: those that every pixel got, or the mean if there is no end.
     pub samples: u32,
+    /// How many samples the pixels have that have the fewest and the most.
+    pub spread: Spread,
     /// Whether it was stopped before all samples were taken and before it was good enough.
     pub interrupted: bool,
+    /// The part of all light that the film's clamping has left out, 0..1.
+    pub clamped: f64,
     /// How noisy it is; `None` if there are too few samples to tell.
     pub noise: Option<Noise>,
     /// The sums that the picture is made of.
@@ -97,7 +102,9 @@ impl Rendered {
         Self {
             image: film.image(),
             samples,
+            spread: Spread { fewest: samples, mean: samples.into(), most: samples },
             interrupted: false,
+            clamped: film.clamped(),
             noise: film.noise(),
             film,
             rays: RayCounts::default(),
@@ -175,7 +182,14 @@ pub(crate) fn replay(
         record.clear();
         for tile in film.tiles_mut() {
             let (samples, worker, recorder) = (samples.clone(), &mut worker, &mut record);
-            take_recorded(&render, tile, samples, worker, recorder);
+            take_recorded(TilePass {
+                render: &render,
+                tile,
+                samples,
+                half: None,
+                worker,
+                recorder,
+            });
         }
         observe(Replayed { samples, weights: &worker.weights, record: &record });
     }
@@ -193,6 +207,8 @@ struct Render<'a> {
     size: [u32; 2],
     observe: &'a (dyn Fn(Progress) -> ControlFlow<Stop> + Sync),
     tally: Mutex<Tally>,
+    /// Which half decides how many samples another gets.
+    judge: fn(Half) -> Half,
 }
 
 /// What workers report.
@@ -200,6 +216,8 @@ struct Render<'a> {
 struct Tally {
     rays: RayCounts,
     tiles: u64,
+    /// Samples of all pixels.
+    samples: u64,
     stop: Option<Stop>,
     surface_rays: u64,
     brightest: f32,
@@ -230,18 +248,19 @@ impl<'a> Render<'a> {
             size: [crop.width, crop.height],
             observe,
             tally: Mutex::default(),
+            judge: Half::other,
         }
     }
 
     fn run<K: Keeper>(&self) -> (Rendered, Vec<K>) {
-        let mut film = Film::new(self.origin, self.size);
+        let mut film = self.empty_film();
         let mut keepers: Vec<K> =
             film.tiles_mut().iter().map(|tile| K::of(self.scene, tile)).collect();
         let [first, end] = self.samples;
         let (mut next, mut judged_at, mut good) = (first, FEWEST_TO_JUDGE, false);
         while next < end && !good && self.tally().stop.is_none() {
             let pass = next..end.min(next + PASS);
-            self.pass(film.tiles_mut(), &mut keepers, pass.clone());
+            self.pass(&mut film, &mut keepers, pass.clone());
             if self.tally().stop != Some(Stop::Now) || self.passes_done() {
                 next = pass.end;
             }
@@ -251,42 +270,78 @@ impl<'a> Render<'a> {
                 judged_at = judge_again(next, noise / target);
             }
         }
-        let tally = self.tally();
+        let (tally, spread) = (self.tally(), film.spread());
+        let samples = if self.options.endless { spread.mean.round() as u32 } else { next - first };
         let rendered = Rendered {
+            spread,
             interrupted: next < end && !good && tally.stop != Some(Stop::AfterPass),
             rays: tally.rays,
             surface_rays: tally.surface_rays,
             brightest: tally.brightest,
             dropped: tally.dropped,
             first_dropped: tally.first_dropped,
-            ..Rendered::of_film(film, next - first)
+            ..Rendered::of_film(film, samples)
         };
         drop(tally);
         (rendered, keepers)
     }
 
-    /// Takes samples of every pixel.
-    fn pass<K: Keeper>(&self, tiles: &mut [Tile], keepers: &mut [K], samples: Range<u32>) {
-        let tiles = tiles.par_iter_mut().zip(keepers);
-        tiles.for_each_init(Worker::default, |worker, (tile, keeper)| {
-            if self.tally().stop != Some(Stop::Now) {
-                keeper.take(self, tile, samples.clone(), worker);
-                self.report(worker);
-            }
+    fn empty_film(&self) -> Film {
+        let new = if self.options.endless { Film::in_halves } else { Film::new };
+        new(self.origin, self.size)
+    }
+
+    /// Takes samples of every pixel: these, or as many as each tile is to have by then in one of the halves, which take
+    /// turns.
+    fn pass<K: Keeper>(&self, film: &mut Film, keepers: &mut [K], samples: Range<u32>) {
+        let half =
+            if (samples.start / PASS).is_multiple_of(2) { Half::First } else { Half::Second };
+        let half = Some(half).filter(|_| self.options.endless);
+        let round = samples.start / (2 * PASS) + 1;
+        let passes = half.map(|half| film.passes((self.judge)(half), round));
+        let tiles = film.tiles_mut().par_iter_mut().zip(keepers).enumerate();
+        tiles.for_each_init(Worker::default, |worker, (i, (tile, keeper))| {
+            let samples = match (half, &passes) {
+                (Some(half), Some(passes)) => tile.next_samples(half, passes[i], PASS, HALF),
+                _ => samples.clone(),
+            };
+            self.fill(worker, tile, keeper, samples, half);
         });
     }
 
-    /// Which of the sampler's points a sample has, and which half it belongs to. Those of an endless render take turns,
-    /// pass by pass, between two sequences that know nothing of each other.
-    #[inline(always)]
-    fn point(&self, sample: u32) -> (u32, Half) {
-        if !self.options.endless {
-            let second = sample >= self.scene.film().samples.div_ceil(2);
-            return (sample, if second { Half::Second } else { Half::First });
+    /// Takes samples of every pixel of a tile.
+    fn fill<K: Keeper>(
+        &self,
+        worker: &mut Worker,
+        tile: &mut Tile,
+        keeper: &mut K,
+        samples: Range<u32>,
+        half: Option<Half>,
+    ) {
+        let pixels = tile.pixels.len() as u64;
+        let mut taken = 0;
+        for start in samples.clone().step_by(PASS as usize) {
+            if self.tally().stop == Some(Stop::Now) {
+                return;
+            }
+            let samples = start..samples.end.min(start + PASS);
+            taken += pixels * samples.len() as u64;
+            keeper.take(TilePass { render: self, tile, samples, half, worker, recorder: &mut () });
         }
-        let (pass, place) = (sample / PASS, sample % PASS);
-        let place = pass / 2 * PASS + place;
-        if pass % 2 == 0 { (place, Half::First) } else { (HALF + place, Half::Second) }
+        self.report(worker, taken);
+        self.report(worker, taken);
+    }
+
+    /// Which of the sampler's points a sample has, and which half it belongs to. Halves that take turns are two sequences
+    /// that know nothing of each other.
+    #[inline(always)]
+    fn point(&self, sample: u32, half: Option<Half>) -> (u32, Half) {
+        match half {
+            None if sample < self.scene.film().samples.div_ceil(2) => (sample, Half::First),
+            None => (sample, Half::Second),
+            Some(Half::First) => (sample, Half::First),
+            Some(Half::Second) => (HALF + sample, Half::Second),
+        }
     }
 
     /// Tiles of one pass.
@@ -303,7 +358,8 @@ impl<'a> Render<'a> {
         let [first, end] = self.samples;
         let per_pass = self.tiles_per_pass();
         let passes = u64::from((end - first).div_ceil(PASS));
-        let samples = u64::from(PASS) * (tally.tiles / per_pass);
+        let pixels = self.size.map(u64::from).into_iter().product::<u64>();
+        let samples = tally.samples / pixels;
         Progress {
             done: tally.tiles as f64 / (passes * per_pass) as f64,
             rays: tally.rays,
@@ -312,9 +368,11 @@ impl<'a> Render<'a> {
         }
     }
 
-    fn report(&self, worker: &mut Worker) {
+    /// After `taken` more samples of a tile.
+    fn report(&self, worker: &mut Worker, taken: u64) {
         let mut tally = self.tally();
         tally.tiles += 1;
+        tally.samples += taken;
         tally.rays += worker.gatherer.take_counts();
         let (surface_rays, brightest) = worker.gatherer.seen(self.scene);
         tally.surface_rays += surface_rays;
@@ -342,10 +400,10 @@ impl<'a> Render<'a> {
 }
 
 /// The number of samples after which to judge the noise again: as many as it takes if the error falls as slowly as
-/// chance lets it, and at most twice as many, for it may have been overestimated.
+/// chance lets it, and at most half as many again, for it may have been overestimated, or go down faster.
 fn judge_again(samples: u32, above: f64) -> u32 {
     let needed = f64::from(samples) * above * above;
-    let next = needed.clamp(f64::from(samples + 2 * PASS), 2.0 * f64::from(samples));
+    let next = needed.clamp(f64::from(samples + 2 * PASS), 1.5 * f64::from(samples));
     (next as u32).next_multiple_of(2 * PASS)
 }
 
@@ -355,28 +413,15 @@ trait Keeper: Send {
     fn of(scene: &Scene, tile: &Tile) -> Self;
 
     /// Takes the samples.
-    fn take(
-        &mut self,
-        render: &Render<'_>,
-        tile: &mut Tile,
-        samples: Range<u32>,
-        worker: &mut Worker,
-    );
+    fn take(&mut self, pass: TilePass<'_, '_, ()>);
 }
 
 /// Keeps nothing.
 impl Keeper for () {
     fn of(_: &Scene, _: &Tile) {}
 
-    fn take(
-        &mut self,
-        render: &Render<'_>,
-        tile: &mut Tile,
-        samples: Range<u32>,
-        worker: &mut Worker,
-    ) {
-        let recorder = &mut ();
-        render.scene.level().run(TilePass { render, tile, samples, worker, recorder });
+    fn take(&mut self, pass: TilePass<'_, '_, ()>) {
+        pass.render.scene.level().run(pass);
     }
 }
 
@@ -385,47 +430,39 @@ impl Keeper for LightTile {
         Self::new(scene, tile.pixels.len())
     }
 
-    fn take(
-        &mut self,
-        render: &Render<'_>,
-        tile: &mut Tile,
-        samples: Range<u32>,
-        worker: &mut Worker,
-    ) {
+    fn take(&mut self, pass: TilePass<'_, '_, ()>) {
+        let TilePass { render, tile, samples, half, worker, .. } = pass;
         let mut record = Record::default();
-        take_recorded(render, tile, samples, worker, &mut record);
+        let recorder = &mut record;
+        take_recorded(TilePass { render, tile, samples, half, worker: &mut *worker, recorder });
         let pixels = worker.pixels.iter().map(|&(pixel, _)| pixel);
         let samples: Vec<Taken> = pixels
             .zip(&worker.weights)
             .zip(worker.gatherer.samples(render.scene))
             .map(|((pixel, &weight), sample)| Taken { pixel, weight, sample: *sample })
             .collect();
-        self.add(&samples, &record);
+        self.add(&samples, half.unwrap_or(Half::First), &record);
     }
 }
 
-/// Takes samples of a tile and records all that happens, with instructions that every processor has: to compile all
-/// stages for this once more at each level would not pay.
-fn take_recorded(
-    render: &Render<'_>,
-    tile: &mut Tile,
-    samples: Range<u32>,
-    worker: &mut Worker,
-    recorder: &mut Record,
-) {
-    TilePass { render, tile, samples, worker, recorder }.take();
+/// Takes samples and records all that happens, with instructions that every processor has: to compile all stages for this
+/// once more at each level would not pay.
+fn take_recorded(pass: TilePass<'_, '_, Record>) {
+    pass.take();
 }
 
 /// One pass over one tile, with all its stages compiled for the processor's level.
-struct TilePass<'a, R> {
-    render: &'a Render<'a>,
+struct TilePass<'a, 'r, R> {
+    render: &'a Render<'r>,
     tile: &'a mut Tile,
     samples: Range<u32>,
+    /// The half of the picture that they belong to, where halves take turns.
+    half: Option<Half>,
     worker: &'a mut Worker,
     recorder: &'a mut R,
 }
 
-impl<R: Recorder> Kernel for TilePass<'_, R> {
+impl<R: Recorder> Kernel for TilePass<'_, '_, R> {
     type Output = ();
 
     #[inline(always)]
@@ -434,18 +471,18 @@ impl<R: Recorder> Kernel for TilePass<'_, R> {
     }
 }
 
-impl<R: Recorder> TilePass<'_, R> {
+impl<R: Recorder> TilePass<'_, '_, R> {
     /// Takes the samples of every pixel of the tile.
     #[inline(always)]
     fn take(self) {
-        let Self { render, tile, samples, worker, recorder } = self;
+        let Self { render, tile, samples, half, worker, recorder } = self;
         let (camera, film) = (render.scene.camera(), render.scene.film());
         let Worker { pixels, points, film_points, lens_points, rays, weights, .. } = worker;
         pixels.clear();
         points.clear();
         for index in tile.order() {
             let [x, y] = tile.place(index);
-            for (point, half) in samples.clone().map(|sample| render.point(sample)) {
+            for (point, half) in samples.clone().map(|sample| render.point(sample, half)) {
                 pixels.push((index, half));
                 points.push(render.sampler.points(x, y, point));
             }
@@ -463,13 +500,25 @@ impl<R: Recorder> TilePass<'_, R> {
             rays.push(camera.ray(place, lens_points.get(i).copied().unwrap_or_default()));
             weights.push(weight);
         }
+        let count = samples.len();
         let samples =
             worker.gatherer.gather(render.scene, film.transparent, rays, points, recorder);
-        for ((sample, &(pixel, half)), weight) in samples.iter().zip(&*pixels).zip(weights) {
-            if !tile.pixels[pixel].add(sample, *weight, half) {
+        for ((sample, &(pixel, half)), weight) in samples.iter().zip(&*pixels).zip(&mut *weights) {
+            if !tile.add(pixel, sample, *weight, half) {
                 worker.dropped.get_or_insert((tile.place(pixel), 0)).1 += 1;
                 *weight = 0.0;
             }
+        }
+        let clamped = |(sample, weight): (&Sample, &f32)| f64::from(sample.clamped * weight);
+        tile.clamped += samples.iter().zip(&*weights).map(clamped).sum::<f64>();
+        tile.samples += count as u32;
+        if let Some(half) = half {
+            for (samples, pixels) in samples.chunks(count).zip(pixels.chunks(count)) {
+                let luminances = samples.iter().map(|sample| f64::from(luminance(sample.radiance)));
+                let square = tile.square(pixels[0].0);
+                tile.watches[half as usize].note(square, luminances);
+            }
+            tile.watches[half as usize].end_pass();
         }
     }
 }
@@ -491,3 +540,6 @@ struct Worker {
     /// First pixel with a dropped sample, and how many were dropped.
     dropped: Option<([u32; 2], u64)>,
 }
+
+#[cfg(test)]
+mod tests;

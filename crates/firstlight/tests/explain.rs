@@ -1,39 +1,14 @@
 //! An explanation adds up to its pixel, and says what one would reckon by hand.
 
+mod common;
+
+use common::{read, small_scenes};
 use firstlight::explain::{Explanation, Verdict, explain};
-use firstlight::io::scene_file;
 use firstlight::render::{RenderOptions, render};
-use firstlight::{FileAccess, Scene, SceneDescription};
+use firstlight::{Look, Scene, SceneDescription};
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
-
-/// The scene of a text in a file of that name, with some values set.
-fn read(path: &Path, text: &str, set: &[&str]) -> SceneDescription {
-    let set: Vec<_> = set.iter().map(|set| set.parse().expect("a value is set")).collect();
-    let access = FileAccess::beside(path, &[]);
-    let scene = scene_file::read(text, "scene.toml", &set, &access, &mut Vec::new());
-    let scene = scene.unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    scene.check().expect("what was read is sound");
-    scene
-}
-
-/// All scenes of the project.
-fn scene_files() -> Vec<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
-    let (mut folders, mut files) = (vec![root], Vec::new());
-    while let Some(folder) = folders.pop() {
-        for entry in std::fs::read_dir(folder).expect("the folder can be read") {
-            let path = entry.expect("the folder can be read").path();
-            match path.extension() {
-                None => folders.push(path),
-                Some(extension) if extension == "toml" => files.push(path),
-                Some(_) => {}
-            }
-        }
-    }
-    files
-}
+use std::path::Path;
 
 /// The same as a picture and pixel by pixel.
 fn assert_adds_up(name: &str, description: &SceneDescription) {
@@ -56,13 +31,23 @@ fn assert_adds_up(name: &str, description: &SceneDescription) {
 
 #[test]
 fn the_terms_of_every_pixel_add_up() {
-    let files = scene_files();
-    assert!(files.len() > 15, "{files:?}");
-    for file in files {
-        let text = std::fs::read_to_string(&file).expect("the scene can be read");
-        let mut description = read(&file, &text, &["film.resolution=[24, 16]", "film.samples=6"]);
-        description.film.transparent |= file.ends_with("first.toml");
-        assert_adds_up(&file.display().to_string(), &description);
+    let scenes = small_scenes();
+    assert!(scenes.len() > 15, "{} scenes", scenes.len());
+    for (name, mut description) in scenes {
+        description.film.transparent |= name.ends_with("first.toml");
+        assert_adds_up(&name, &description);
+    }
+}
+
+#[test]
+fn the_terms_of_every_look_add_up() {
+    for (name, description) in small_scenes().into_iter().filter(|(name, _)| name.contains("three"))
+    {
+        for (look_name, look) in Look::NAMES {
+            let mut description = description.clone();
+            look.apply(&mut description, None);
+            assert_adds_up(&format!("{name} for {look_name}"), &description);
+        }
     }
 }
 

@@ -245,7 +245,7 @@ fn direct_light_comes_from_every_light_and_does_not_bounce() {
     add(&mut scene, cube(DVec3::ZERO, 8.0));
     add(&mut scene, floor());
     light(&mut scene, point(0.5 * DVec3::Z));
-    light(&mut scene, Light::Ambient { radiance: Vec3::splat(0.25) });
+    light(&mut scene, Light::Ambient { radiance: Vec3::splat(0.25), reach: f64::INFINITY });
     expect_irradiance(&scene, DVec3::ZERO, DVec3::Z, 0.752274688 + 4.0 + 0.25 * PI);
     expect_seen(&scene, v(0.3, 0.1, 0.4), DVec3::ZERO, 0.5 * (4.752274688 / PI + 0.25));
     // Under a sky with a sun.

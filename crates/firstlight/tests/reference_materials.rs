@@ -4,8 +4,9 @@ mod common;
 
 use common::*;
 use firstlight::scene::description::*;
+use firstlight::verify::white::{glass, pane, principled};
 use firstlight::{Meter, Ray, Scene, SceneDescription};
-use glam::{DAffine3, DQuat, DVec3, Vec3};
+use glam::{DQuat, DVec3, Vec2, Vec3};
 
 /// A scene for paths of any length in light of radiance 1 from everywhere; `materials` have the indices from 0.
 fn furnace(materials: Vec<Material>) -> SceneDescription {
@@ -15,77 +16,6 @@ fn furnace(materials: Vec<Material>) -> SceneDescription {
     let environment = EnvironmentDescription { sky: Sky::Uniform, factor, rotation, visible: true };
     scene.environment = Some(environment);
     scene
-}
-
-fn ball(scene: &mut SceneDescription, center: DVec3, radius: f64, material: usize) {
-    add_with(scene, Shape::Sphere(Sphere { center, radius }), material);
-}
-
-fn add_with(scene: &mut SceneDescription, shape: Shape, material: usize) {
-    let (name, transform) = ("surface".into(), DAffine3::IDENTITY);
-    scene.surfaces.push(Surface { name, shape, material, transform });
-}
-
-fn interior(index: f32) -> Interior {
-    Interior { index, dispersion: 0.0, absorption: Vec3::ZERO, priority: 0 }
-}
-
-fn rough(roughness: f32) -> Facets {
-    Facets::of(Scalar::constant(roughness))
-}
-
-fn glass(index: f32, roughness: f32) -> Material {
-    let scattering = Scattering::Dielectric { facets: rough(roughness) };
-    let interior = Some(interior(index));
-    Material { scattering, interior, ..Material::matte("glass", Vec3::ONE) }
-}
-
-fn pane(index: f32) -> Material {
-    Material { scattering: Scattering::ThinGlass { index }, ..Material::matte("pane", Vec3::ONE) }
-}
-
-fn principled(change: impl Fn(&mut Principled)) -> Material {
-    let mut p = Principled { metallic: Scalar::constant(0.0), ..Principled::default() };
-    change(&mut p);
-    let scattering = Scattering::Principled(Box::new(p));
-    Material { scattering, ..Material::matte("principled", Vec3::ONE) }
-}
-
-/// Every kind of material, of those that lose nothing.
-fn white_materials() -> Vec<Material> {
-    let one = Scalar::constant(1.0);
-    let metal = |roughness| Material {
-        scattering: Scattering::Conductor { index: None, facets: rough(roughness) },
-        ..Material::matte("metal", Vec3::ONE)
-    };
-    let eon = Scattering::Matte { roughness: one.clone() };
-    vec![
-        Material::matte("lambert", Vec3::ONE),
-        Material { scattering: eon, ..Material::matte("rough", Vec3::ONE) },
-        Material::mirror("mirror", Vec3::ONE),
-        metal(0.0),
-        metal(0.3),
-        metal(0.9),
-        glass(1.5, 0.0),
-        glass(1.5, 0.4),
-        glass(1.33, 0.6),
-        pane(1.5),
-        principled(|p| p.facets = rough(0.0)),
-        principled(|p| p.facets = rough(0.5)),
-        principled(|p| {
-            (p.transmission, p.facets) = (Scalar::constant(1.0), rough(0.3));
-        }),
-        Material {
-            interior: Some(interior(1.5)),
-            ..principled(|p| (p.transmission, p.facets) = (Scalar::constant(0.5), rough(0.3)))
-        },
-        principled(|p| {
-            (p.clearcoat, p.clearcoat_roughness) = (Scalar::constant(1.0), Scalar::constant(0.2));
-            p.sheen_color = Texture::constant(Vec3::splat(0.7));
-            (p.sheen_roughness, p.metallic) = (Scalar::constant(0.4), Scalar::constant(0.5));
-        }),
-        principled(|p| p.diffuse_transmission = Scalar::constant(0.6)),
-    ]
 }
 
 /// Radiance along a ray, by enough samples that it is known to `error`.
@@ -100,75 +30,6 @@ fn toward(origin: DVec3, target: DVec3) -> Ray {
     Ray::new(origin.as_vec3(), (target - origin).normalize().as_vec3())
 }
 
-/// M25, C18: a ball of what loses nothing cannot be seen, at any angle.
-#[test]
-fn white_balls_are_invisible_in_a_furnace() {
-    for material in white_materials() {
-        let name = format!("{:?}", material.scattering);
-        let mut scene = furnace(vec![material]);
-        ball(&mut scene, DVec3::ZERO, 1.0, 0);
-        let scene = Scene::build(&scene);
-        for offset in [0.0, 0.5, 0.9, 0.99] {
-            let seen = radiance(&scene, &toward(v(0.0, -5.0, 0.0), v(offset, 0.0, 0.0)), 6e-3);
-            assert!((seen - 1.0).abs().max_element() < 2.5e-2, "{name} at {offset}: {seen}");
-        }
-    }
-}
-
-/// C19: inside of glass, radiance is n² of that outside.
-#[test]
-fn light_is_denser_in_glass() {
-    for (roughness, tolerance) in [(0.0, 2e-3), (0.3, 2e-2)] {
-        let mut scene = furnace(vec![glass(1.5, roughness)]);
-        ball(&mut scene, DVec3::ZERO, 1.0, 0);
-        let scene = Scene::build(&scene);
-        let seen = radiance(&scene, &toward(DVec3::ZERO, v(0.3, 1.0, 0.2)), 2e-3).x;
-        assert!((f64::from(seen) - 2.25).abs() < tolerance, "{roughness}: {seen}");
-    }
-}
-
-/// A ball in water in a glass: boundaries between any of them lose nothing, whatever overlaps.
-#[test]
-fn nested_solids_are_invisible_in_a_furnace() {
-    let mut glass_wall = glass(1.5, 0.0);
-    glass_wall.interior.as_mut().expect("glass is solid").priority = 1;
-    let mut scene = furnace(vec![glass_wall, glass(1.33, 0.0), glass(2.0, 0.0)]);
-    ball(&mut scene, DVec3::ZERO, 1.0, 1);
-    ball(&mut scene, v(0.2, 0.0, 0.0), 0.4, 2);
-    ball(&mut scene, v(0.0, 0.9, 0.0), 0.5, 0);
-    let scene = Scene::build(&scene);
-    for i in 0..40 {
-        let angle = 0.16 * f64::from(i);
-        let target = v(0.9 * angle.cos(), 0.0, 0.9 * angle.sin());
-        let seen = radiance(&scene, &toward(v(0.3, -5.0, 0.1), target), 1e-3).x;
-        assert!((seen - 1.0).abs() < 3e-3, "{i}: {seen}");
-    }
-}
-
-/// C21 for walls of any albedo and bodies that lose nothing: an isothermal room looks the same everywhere.
-#[test]
-fn isothermal_rooms_are_flat() {
-    let mut materials = white_materials();
-    let walls = materials.len();
-    let emission = Texture::constant(Vec3::splat(0.4));
-    materials.push(Material { emission, ..Material::matte("wall", Vec3::splat(0.6)) });
-    let mut scene = furnace(materials);
-    scene.environment = None;
-    add_with(&mut scene, cube(DVec3::ZERO, 8.0), walls);
-    for i in 0..walls {
-        let (x, y) = ((i % 4) as f64, (i / 4) as f64);
-        ball(&mut scene, v(1.8 * x - 2.7, 1.8 * y - 2.7, 0.3 * x), 0.7, i);
-    }
-    let scene = Scene::build(&scene);
-    for i in 0..16 {
-        let angle = 2.4 * f64::from(i);
-        let reach = (f64::from(i) / 16.0).sqrt();
-        let target = v(3.5 * reach * angle.cos(), 3.5 * reach * angle.sin(), 0.0);
-        let seen = radiance(&scene, &toward(v(0.2, 0.1, 3.5), target), 5e-3);
-        assert!((seen - 1.0).abs().max_element() < 2e-2, "{target}: {seen}");
-    }
-}
-
 /// M16 through the tracer: what is absorbed on the way through a solid of the index of air.
 #[test]
 fn solids_absorb_as_beer_and_lambert_say() {
@@ -180,18 +41,6 @@ fn solids_absorb_as_beer_and_lambert_say() {
     close(seen.x, 0.246596964, 1e-5);
     close(seen.y, 1.0, 1e-6);
     close(seen.z, (-20.0_f64).exp(), 1e-4);
-}
-
-/// Colours that are torn apart are still all there.
-#[test]
-fn dispersion_loses_no_light() {
-    let mut flint = glass(1.78, 0.0);
-    flint.interior.as_mut().expect("it is solid").dispersion = 1.0 / 25.0;
-    let mut scene = furnace(vec![flint]);
-    ball(&mut scene, DVec3::ZERO, 1.0, 0);
-    let scene = Scene::build(&scene);
-    let seen = radiance(&scene, &toward(v(0.0, -5.0, 0.0), v(0.7, 0.0, 0.0)), 5e-3);
-    assert!((seen - 1.0).abs().max_element() < 2e-2, "{seen}");
 }
 
 /// Panes tint the light of point lights and suns, and do not stop it.
@@ -215,17 +64,6 @@ fn lights_shine_through_panes() {
         // 4 % at each side, all reflections between them: (1 − 0.04) / (1 + 0.04).
         close(with.x / without.x, 0.96 / 1.04, 1e-5);
     }
-}
-
-/// What lies behind panes is found by light sampling and by chance, and counted once.
-#[test]
-fn light_behind_panes_counts_once() {
-    let mut scene = furnace(vec![Material::matte("floor", Vec3::ONE), pane(1.5)]);
-    add_with(&mut scene, floor(), 0);
-    add_with(&mut scene, Shape::Sphere(Sphere { center: DVec3::ZERO, radius: 2.0 }), 1);
-    let scene = Scene::build(&scene);
-    let seen = radiance(&scene, &toward(v(0.1, -1.0, 1.0), DVec3::ZERO), 2e-3).x;
-    assert!((seen - 1.0).abs() < 8e-3, "{seen}");
 }
 
 /// Half of a white surface over black, by mixing, is grey; so is half of one that is only half there.
@@ -256,4 +94,178 @@ fn mixes_and_opacity_are_shares() {
     };
     let mean = (0..8000).map(passes).sum::<f32>() / 8000.0;
     assert!((mean - 0.75).abs() < 0.02, "{mean}");
+}
+
+/// A closed body of what absorbs and scatters, without a boundary.
+fn cloud(absorption: f32, scattering: f32, anisotropy: f32) -> Material {
+    let mut cloud = glass(1.0, 0.0);
+    let inside = cloud.interior.as_mut().expect("it is solid");
+    inside.absorption = Vec3::splat(absorption);
+    (inside.scattering, inside.anisotropy) = (Vec3::splat(scattering), anisotropy);
+    cloud
+}
+
+/// Clouds that only scatter cannot be seen in a furnace, with and without a wall of glass; inside they are n² brighter.
+#[test]
+fn white_clouds_are_invisible_in_a_furnace() {
+    for (index, g) in [(1.0, 0.0), (1.0, 0.8), (1.0, -0.5), (1.5, 0.3)] {
+        let mut cloud = cloud(0.0, 3.0, g);
+        cloud.interior.as_mut().expect("it is solid").index = index;
+        let mut scene = furnace(vec![cloud, Material::matte("white", Vec3::ONE)]);
+        add_with(&mut scene, ball(DVec3::ZERO, 1.0), 0);
+        add_with(&mut scene, ball(v(0.2, 0.0, 0.1), 0.4), 1);
+        let scene = Scene::build(&scene);
+        for (from, expected) in [(v(0.0, -5.0, 0.0), 1.0), (v(0.0, -0.6, 0.0), index * index)] {
+            for target in [v(0.1, 0.0, 0.0), v(0.7, 0.0, 0.1)] {
+                let seen = radiance(&scene, &toward(from, target), 2e-3 * f64::from(index)).x;
+                assert!(
+                    (seen / expected - 1.0).abs() < 8e-3,
+                    "{index} {g} {from} {target}: {seen}"
+                );
+            }
+        }
+    }
+}
+
+/// Light on its way through fog, through clouds that it meets, and seen from inside of one.
+#[test]
+fn fog_weakens_what_is_seen_and_what_gives_light() {
+    let mut scene = furnace(vec![Material::matte("floor", Vec3::ONE), cloud(0.7, 0.0, 0.0)]);
+    scene.environment = None;
+    light(&mut scene, point_light(v(0.0, 0.0, 4.0), Vec3::splat(100.0)));
+    let clear = Scene::build(&scene).irradiance(DVec3::ZERO, DVec3::Z).value.x;
+    add_with(&mut scene, cube(v(0.0, 0.0, 2.0), 2.0), 1);
+    for integrator in [Integrator::Direct, Integrator::Path { bounces: None }] {
+        scene.integrator = integrator;
+        let through = Scene::build(&scene).irradiance(DVec3::ZERO, DVec3::Z).value.x;
+        close(through / clear, 0.246596964, 1e-5);
+        let (absorption, scattering) = (Vec3::splat(0.3), Vec3::ZERO);
+        let fog = Some(Medium { absorption, scattering, anisotropy: 0.0 });
+        let everywhere = SceneDescription { medium: fog, ..scene.clone() };
+        let both = Scene::build(&everywhere).irradiance(DVec3::ZERO, DVec3::Z).value.x;
+        close(both / clear, (-2.0_f64 * 0.3 - 1.4).exp(), 1e-5);
+    }
+    // What is not left by the ray has to be known: a cloud around the eye and around what it sees.
+    let mut inside = furnace(vec![cloud(0.7, 1e-6, 0.0), emitter(1.0)]);
+    inside.environment = None;
+    add_with(&mut inside, ball(DVec3::ZERO, 10.0), 0);
+    add_with(&mut inside, cube(v(0.0, 2.5, 0.0), 1.0), 1);
+    let seen = radiance(&Scene::build(&inside), &toward(DVec3::ZERO, v(0.0, 1.0, 0.0)), 1e-4).x;
+    close(seen, 0.246596964, 1e-3);
+}
+
+fn emitter(radiance: f32) -> Material {
+    let emission = Texture::constant(Vec3::splat(radiance));
+    Material { emission, ..Material::matte("emitter", Vec3::ZERO) }
+}
+
+/// `direct` shows light that was scattered once: of a half space ω E / 8π, straight on.
+#[test]
+fn direct_light_is_scattered_once_by_fog() {
+    let mut scene = furnace(vec![cloud(0.1, 0.9, 0.0)]);
+    (scene.environment, scene.integrator) = (None, Integrator::Direct);
+    add_with(&mut scene, floor(), 0);
+    light(&mut scene, Light::Directional { direction: -DVec3::Z, irradiance: Vec3::ONE });
+    let seen = radiance(&Scene::build(&scene), &toward(DVec3::Z, DVec3::ZERO), 3e-5).x;
+    close(seen, 0.9 / (8.0 * std::f64::consts::PI), 3e-3);
+}
+
+/// A light that is picked for many, in fog and behind a sheet that light passes: as much as if all were one.
+#[test]
+fn lights_are_picked_on_all_sides_where_light_passes() {
+    let paper = principled("paper", |p| p.diffuse_transmission = Scalar::constant(1.0));
+    for (material, shape) in [
+        (cloud(0.0, 0.5, 0.3), cube(DVec3::ZERO, 2.0)),
+        (paper, Shape::Disk(Disk { center: DVec3::ZERO, normal: DVec3::Y, radius: 1.0 })),
+    ] {
+        let mut scene = furnace(vec![material]);
+        scene.environment = None;
+        add_with(&mut scene, shape, 0);
+        let mut seen = |lights: u32| {
+            scene.lights.clear();
+            for i in 0..lights {
+                let place = v(0.3 * f64::from(i % 2), 2.0, 0.1 * f64::from(i % 3));
+                light(&mut scene, point_light(place, Vec3::splat(120.0 / lights as f32)));
+            }
+            let meter = Scene::build(&scene);
+            let ray = toward(v(0.0, -5.0, 0.5), v(0.0, 0.0, 0.3));
+            let found = Meter::new(&meter).samples(1 << 18).radiance(&ray);
+            (f64::from(found.value.x), f64::from(found.standard_error.x))
+        };
+        let ((few, few_error), (many, many_error)) = (seen(6), seen(60));
+        let z = (few - many) / few_error.hypot(many_error).max(1e-6 * few);
+        assert!(few > 0.1 && z.abs() < 4.5, "{few} ± {few_error}, {many} ± {many_error}");
+    }
+}
+
+/// A surface that rises by a tenth of its length is lit by a light above it as one that leans so.
+#[test]
+fn bump_maps_lean_surfaces_as_their_heights_do() {
+    let rise = |amount| {
+        let pattern = Pattern::Gradient {
+            colors: [[0.0; 4], [1.0; 4]],
+            from: Vec2::new(-5.0, 0.0),
+            to: Vec2::new(5.0, 0.0),
+        };
+        let texture = Texture { pattern, ..Texture::constant(Vec3::ONE) };
+        let height = Scalar { texture, channel: 0, complement: false };
+        let bump = Some(BumpMap { height, amount });
+        let mut scene = scene_of(Vec3::ONE);
+        scene.materials[0].bump = bump;
+        add(&mut scene, floor());
+        light(&mut scene, Light::Directional { direction: -DVec3::Z, irradiance: Vec3::ONE });
+        look(&scene, v(0.0, 0.0, 3.0), DVec3::ZERO).x
+    };
+    let leaning = 1.0 / 1.01_f64.sqrt() / std::f64::consts::PI;
+    close(rise(BumpAmount::Metres(1.0)), leaning, 1e-4);
+    close(rise(BumpAmount::Metres(-1.0)), leaning, 1e-4);
+    // The texture coordinates of a plane are metres, so a picture is 1 m wide.
+    close(rise(BumpAmount::Relative(1.0)), leaning, 1e-4);
+    close(rise(BumpAmount::Metres(0.0)), 1.0 / std::f64::consts::PI, 1e-6);
+}
+
+/// A checker board seen to the horizon by a single sample per pixel: its squares fade into their mean, whether it is a
+/// pattern or a picture.
+#[test]
+fn far_squares_fade_instead_of_flickering() {
+    let checker = [[1.0; 4], [0.0, 0.0, 0.0, 1.0]];
+    let size = Vec2::ONE;
+    let mut patterns = vec![(Vec::new(), Pattern::Checker { colors: checker, size })];
+    let square = |i: usize| checker[usize::from((i % 16 < 8) != (i < 128))];
+    let texels = Texels::Linear((0..256).map(square).collect());
+    let picture = Pixels { name: "squares".into(), width: 16, height: 16, texels };
+    let transform = UvTransform::from_scale(Vec2::splat(0.5));
+    let pattern = Pattern::Image {
+        image: 0,
+        uv_set: 0,
+        transform,
+        wrap: [Wrap::Repeat; 2],
+        sampling: Sampling::Bilinear,
+    };
+    patterns.push((vec![std::sync::Arc::new(picture)], pattern));
+    for (images, pattern) in patterns {
+        let mut scene = scene_of(Vec3::ONE);
+        scene.images = images;
+        scene.materials[0].reflectance = Texture { pattern, ..Texture::constant(Vec3::ONE) };
+        add(&mut scene, floor());
+        light(&mut scene, Light::Ambient { radiance: Vec3::ONE, reach: f64::INFINITY });
+        let view = Projection::Perspective { vertical_fov: 0.2 };
+        scene.cameras.push(camera(v(0.0, 0.0, 1.5), v(0.0, 60.0, 0.0), view));
+        let filter = Filter::Box { radius: 0.5 };
+        scene.film = FilmDescription { width: 64, height: 64, samples: 1, filter, ..scene.film };
+        let image = common::picture(&scene).image;
+        // The upper rows under the horizon are hundreds of squares away, the last one some ten.
+        let row = |y: u32| (0..64).map(move |x| (x, y)).map(|(x, y)| image.get(x, y).x);
+        let horizon = (0..64).find(|&y| row(y).all(|v| v > 0.0)).expect("there is a floor");
+        for y in horizon..horizon + 4 {
+            assert!(
+                row(y).all(|v| (v - 0.5).abs() < 0.1),
+                "row {y}: {:?}",
+                row(y).collect::<Vec<_>>()
+            );
+        }
+        let near: Vec<f32> = row(63).collect();
+        let spread = near.iter().fold(0.0, |most: f32, v| most.max((v - 0.5).abs()));
+        assert!(spread > 0.4, "near squares are sharp: {near:?}");
+    }
 }

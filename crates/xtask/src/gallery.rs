@@ -13,10 +13,21 @@ pub(crate) fn render_all() -> Result<(), String> {
         let picture = Path::new("docs/images").join(below).with_extension("png");
         let folder = picture.parent().unwrap_or(Path::new("."));
         fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-        let program = Path::new("target/release/firstlight");
-        super::run(Command::new(program).arg("render").arg(&scene).arg("-o").arg(&picture))?;
+        if !below.starts_with("looks") {
+            render(&scene, &picture, &[])?;
+            continue;
+        }
+        for look in ["clarity", "balanced", "real"] {
+            let name = format!("{}-{look}.png", scene.file_stem().unwrap_or_default().display());
+            render(&scene, &picture.with_file_name(name), &["--look", look])?;
+        }
     }
     Ok(())
+}
+
+fn render(scene: &Path, picture: &Path, more: &[&str]) -> Result<(), String> {
+    let program = Path::new("target/release/firstlight");
+    super::run(Command::new(program).arg("render").arg(scene).arg("-o").arg(picture).args(more))
 }
 
 /// All scene files below a folder, in the order of their names.

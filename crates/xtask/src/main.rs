@@ -1,5 +1,6 @@
 //! The developers' own commands: `cargo xtask test`, `cargo xtask gallery`, `cargo xtask bench`.
 
+mod contact_sheet;
 mod gallery;
 
 use std::process::{Command, ExitCode};
@@ -14,6 +15,8 @@ Usage: cargo xtask COMMAND
   slow      the tests that take minutes
   tables    integrates the tables in crates/firstlight/data/ anew
   gallery   renders every scene in scenes/ into docs/images/
+  contact-sheet FOLDER
+            small pictures of every glTF model in a folder on one sheet
   bench     times tracing and building, beside Embree where it is installed; more with --help
   bench --peers
             times whole renders beside Mitsuba, Cycles, LuxCore and POV-Ray; more with --help";
@@ -36,6 +39,7 @@ fn main() -> ExitCode {
             "--ignored",
         ]),
         Some("gallery") => gallery::render_all(),
+        Some("contact-sheet") => contact_sheet::make(&arguments[1..]),
         Some("bench") => bench(&arguments[1..]),
         _ => Err(USAGE.into()),
     };

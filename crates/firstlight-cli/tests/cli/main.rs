@@ -2,6 +2,7 @@
 
 mod compare;
 mod doctor;
+mod explain;
 mod measure;
 mod models;
 mod parts;

@@ -5,7 +5,9 @@ mod srgb;
 mod view;
 
 pub use map::ColorMap;
-pub use srgb::{srgb_code8, srgb_code16, srgb_decode, srgb_encode, srgb_linear8, srgb_linear16};
+pub use srgb::{
+    srgb_code8, srgb_code16, srgb_decode, srgb_dithered8, srgb_encode, srgb_linear8, srgb_linear16,
+};
 mod parse;
 
 pub use parse::parse;

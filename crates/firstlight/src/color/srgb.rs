@@ -17,6 +17,18 @@ pub fn srgb_code8(linear: f32) -> u8 {
     CODES8.nearest(linear)
 }
 
+/// One of the two 8-bit codes around a linear value, which is clamped to 0..1 first: the upper one if the value lies
+/// further than `threshold` (0..1) of the way from the lower to the upper. Over all thresholds the mean is the value
+/// itself, in linear light. NaN is black.
+pub fn srgb_dithered8(linear: f32, threshold: f32) -> u8 {
+    let near = CODES8.nearest(linear);
+    let at = |code: u8| CODES8.linear[usize::from(code)];
+    let low = if at(near) > linear { near.saturating_sub(1) } else { near };
+    let high = low.saturating_add(1);
+    let part = (linear - at(low)) / (at(high) - at(low));
+    if part > threshold { high } else { low }
+}
+
 /// The 16-bit code nearest to a linear value, which is clamped to 0..1 first. NaN is black.
 pub fn srgb_code16(linear: f32) -> u16 {
     (encode(f64::from(linear).clamp(0.0, 1.0)) * 65_535.0).round() as u16
@@ -129,6 +141,24 @@ mod tests {
             for linear in [first.next_down(), *first, first.next_up()] {
                 assert_eq!(srgb_code8(linear), reference(linear), "{linear}");
             }
+        }
+    }
+
+    #[test]
+    fn dither_keeps_steps_and_means() {
+        let thresholds = || (0..64).map(|k| (k as f32 + 0.5) / 64.0);
+        for code in 0..=u8::MAX {
+            for value in [0.99997, 1.0, 1.00003].map(|rounding| rounding * srgb_linear8(code)) {
+                assert!(thresholds().all(|t| srgb_dithered8(value, t) == code), "{code}");
+            }
+        }
+        for value in [0.0001, 0.01234, 0.2, 0.777] {
+            let codes = thresholds().map(|t| srgb_linear8(srgb_dithered8(value, t)));
+            let mean = codes.sum::<f32>() / 64.0;
+            assert!((mean / value - 1.0).abs() < 2e-3 || value < 2e-4, "{value}: {mean}");
+        }
+        for value in [f32::NAN, -1.0, 0.0, 1.0, 7.0] {
+            assert!(thresholds().all(|t| srgb_dithered8(value, t) == srgb_code8(value)), "{value}");
         }
     }
 

@@ -377,8 +377,7 @@ fn glass_that_is_open_or_inside_out() {
             change(mesh);
             let facets = Facets::of(Scalar::constant(0.0));
             material.scattering = Scattering::Dielectric { facets };
-            material.interior =
-                Some(Interior { index: 1.5, dispersion: 0.0, absorption: Rgb::ZERO, priority: 0 });
+            material.interior = Some(Interior::clear(1.5));
         })
     };
     let whole = glass(|_| {});
@@ -460,7 +459,7 @@ fn pictures_on_surfaces() {
     let encoded = with_picture(16, |i| [184 + (i % 9) as u8, 188, 254, 255], bent);
     told_apart("texture-curve", &["was encoded"], &encoded, &with_picture(16, bumps, bent));
     let both = with_picture(16, stripes, |material, texture| {
-        let roughness = Scalar { texture: texture.clone(), channel: 1 };
+        let roughness = Scalar { texture: texture.clone(), channel: 1, complement: false };
         material.reflectance = texture;
         material.scattering = Scattering::Matte { roughness };
     });

@@ -1,5 +1,6 @@
 //! Where radiance is added up, pixel by pixel.
 
+mod allotment;
 mod exposure;
 mod filter;
 mod noise;
@@ -11,6 +12,7 @@ pub use noise::Noise;
 
 use crate::color::{Rgb, luminance};
 use crate::image::Image;
+use allotment::Watch;
 use sums::ExactSums;
 
 /// Radiance and coverage of one camera ray.
@@ -20,6 +22,15 @@ pub(crate) struct Sample {
     pub radiance: Rgb,
     /// 0 where the background shows and counts as transparent, else 1.
     pub alpha: f32,
+    /// Luminance that was left out because the film wants no indirect light above a bound, W·sr⁻¹·m⁻².
+    pub clamped: f32,
+}
+
+impl Sample {
+    /// Such light, of which nothing was left out.
+    pub(crate) fn of(radiance: Rgb) -> Self {
+        Self { radiance, alpha: 1.0, clamped: 0.0 }
+    }
 }
 
 /// Half of the samples. What the halves differ by tells how much is left to chance.
@@ -27,6 +38,13 @@ pub(crate) struct Sample {
 pub(crate) enum Half {
     First,
     Second,
+}
+
+impl Half {
+    /// The one that is not this one.
+    pub(crate) fn other(self) -> Self {
+        if self == Self::First { Self::Second } else { Self::First }
+    }
 }
 
 /// The sums of one pixel. They are the same for the same samples, whatever their order and in how many parts they came.
@@ -81,6 +99,13 @@ impl Pixel {
         [r, g, b, alpha as f32]
     }
 
+    /// Mean luminance of all samples, black where it is transparent; `None` if there are none.
+    fn mean_luminance(&self) -> Option<f64> {
+        let [r, g, b, _] = self.sums.values();
+        let sum = 0.2126 * r + 0.7152 * g + 0.0722 * b;
+        (self.weight > 0).then(|| sum / f64::from(self.weight))
+    }
+
     /// Mean luminance, black where it is transparent, and its variance as the difference of the halves tells it; `None`
     /// if one of them has no samples.
     fn luminance(&self) -> Option<(f64, f64)> {
@@ -89,10 +114,10 @@ impl Pixel {
         if first <= 0.0 || second <= 0.0 {
             return None;
         }
-        let [r, g, b, first_sum] = self.sums.values();
-        let sum = 0.2126 * r + 0.7152 * g + 0.0722 * b;
-        let difference = first_sum / first - (sum - first_sum) / second;
-        Some((sum / all, difference * difference * (first / all) * (second / all)))
+        let [.., first_sum] = self.sums.values();
+        let mean = self.mean_luminance()?;
+        let difference = first_sum / first - (mean * all - first_sum) / second;
+        Some((mean, difference * difference * (first / all) * (second / all)))
     }
 
     /// All about it, to be stored.
@@ -136,6 +161,13 @@ impl Film {
         Self { origin, size, tiles: Tile::cut(origin, size) }
     }
 
+    /// The same in two halves that have pixels, and numbers of samples, of their own.
+    pub(crate) fn in_halves(origin: [u32; 2], size: [u32; 2]) -> Self {
+        let mut film = Self::new(origin, size);
+        film.tiles.iter_mut().for_each(|tile| tile.second.clone_from(&tile.pixels));
+        film
+    }
+
     /// The tiles, to be filled.
     pub(crate) fn tiles_mut(&mut self) -> &mut [Tile] {
         &mut self.tiles
@@ -161,27 +193,53 @@ impl Film {
             for (pixel, other) in tile.pixels.iter_mut().zip(&other.pixels) {
                 pixel.merge(other);
             }
+            tile.samples += other.samples;
+            tile.clamped += other.clamped;
+        }
+    }
+
+    /// The part of all light, by luminance, that was left out by clamping.
+    pub(crate) fn clamped(&self) -> f64 {
+        let removed = |tile: &Tile| tile.clamped / f64::from(tile.samples.max(1));
+        let removed: f64 = self.tiles.iter().map(removed).sum();
+        let kept = |tile: &Tile| {
+            let kept = (0..tile.pixels.len()).filter_map(|index| tile.mean_luminance(index));
+            kept.sum::<f64>()
+        };
+        let kept: f64 = self.tiles.iter().map(kept).sum();
+        if removed > 0.0 { removed / (removed + kept) } else { 0.0 }
+    }
+
+    /// How many samples its pixels have.
+    pub(crate) fn spread(&self) -> Spread {
+        let samples = |tile: &Tile| u64::from(tile.samples) * tile.pixels.len() as u64;
+        let pixels: usize = self.tiles.iter().map(|tile| tile.pixels.len()).sum();
+        let all: u64 = self.tiles.iter().map(samples).sum();
+        Spread {
+            fewest: self.tiles.iter().map(|tile| tile.samples).min().unwrap_or(0),
+            mean: all as f64 / pixels as f64,
+            most: self.tiles.iter().map(|tile| tile.samples).max().unwrap_or(0),
         }
     }
 
     /// The picture: linear radiance, transparent where no sample was taken.
     pub fn image(&self) -> Image {
-        let pixels = self.rows(Pixel::develop);
+        let pixels = self.rows(Tile::develop);
         Image::from_pixels(self.size[0], self.size[1], pixels)
     }
 
     /// Variance of every pixel's luminance by the difference of its halves, row by row; pixels that only one half has
     /// samples of have none.
     pub(crate) fn variances(&self) -> Vec<Option<f64>> {
-        self.rows(|pixel| pixel.luminance().map(|(_, variance)| variance))
+        self.rows(|tile, index| tile.luminance(index).map(|(_, variance)| variance))
     }
 
     /// Something about every pixel, row by row.
-    pub(crate) fn rows<T: Clone + Default>(&self, of: impl Fn(&Pixel) -> T) -> Vec<T> {
+    pub(crate) fn rows<T: Clone + Default>(&self, of: impl Fn(&Tile, usize) -> T) -> Vec<T> {
         let mut rows = vec![T::default(); self.size[0] as usize * self.size[1] as usize];
         for tile in &self.tiles {
-            for (index, pixel) in tile.pixels.iter().enumerate() {
-                rows[row_index(self.origin, self.size, tile.place(index))] = of(pixel);
+            for index in 0..tile.pixels.len() {
+                rows[row_index(self.origin, self.size, tile.place(index))] = of(tile, index);
             }
         }
         rows
@@ -208,6 +266,13 @@ fn row_index(origin: [u32; 2], size: [u32; 2], [x, y]: [u32; 2]) -> usize {
     (y - origin[1]) as usize * size[0] as usize + (x - origin[0]) as usize
 }
 
+/// The mean of two colours that are not multiplied by their alpha.
+fn mean_color([r, g, b, a]: [f32; 4], [r2, g2, b2, a2]: [f32; 4]) -> [f32; 4] {
+    let part = if a + a2 > 0.0 { a / (a + a2) } else { 0.5 };
+    let mean = |one: f32, other: f32| part * one + (1.0 - part) * other;
+    [mean(r, r2), mean(g, g2), mean(b, b2), 0.5 * (a + a2)]
+}
+
 /// A rectangle of pixels that one worker fills.
 #[derive(Debug, Clone)]
 pub(crate) struct Tile {
@@ -217,6 +282,25 @@ pub(crate) struct Tile {
     pub size: [u32; 2],
     /// Its pixels, row by row.
     pub pixels: Vec<Pixel>,
+    /// The second half of them, where the halves are kept apart; else empty.
+    second: Vec<Pixel>,
+    /// Samples of each pixel.
+    pub samples: u32,
+    /// Luminance that was left out of all of them.
+    pub clamped: f64,
+    /// What the halves know of their noise, where that is asked for.
+    pub watches: [Watch; 2],
+}
+
+/// How many samples pixels have.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Spread {
+    /// Of the pixels with the fewest.
+    pub fewest: u32,
+    /// In the mean over the picture.
+    pub mean: f64,
+    /// Of those with the most.
+    pub most: u32,
 }
 
 impl Tile {
@@ -229,12 +313,55 @@ impl Tile {
         let tile = |x: u32, y: u32| {
             let tile_size = [Self::SIDE.min(size[0] - x), Self::SIDE.min(size[1] - y)];
             let pixels = vec![Pixel::default(); (tile_size[0] * tile_size[1]) as usize];
-            Self { origin: [origin[0] + x, origin[1] + y], size: tile_size, pixels }
+            Self {
+                origin: [origin[0] + x, origin[1] + y],
+                size: tile_size,
+                pixels,
+                second: Vec::new(),
+                samples: 0,
+                clamped: 0.0,
+                watches: Default::default(),
+            }
         };
         starts(size[1])
             .flat_map(|y| starts(size[0]).map(move |x| (x, y)))
             .map(|(x, y)| tile(x, y))
             .collect()
+    }
+
+    /// Adds a sample to a pixel; see [`Pixel::add`].
+    #[inline(always)]
+    pub(crate) fn add(&mut self, index: usize, sample: &Sample, weight: f32, half: Half) -> bool {
+        let apart = half == Half::Second && !self.second.is_empty();
+        let pixels = if apart { &mut self.second } else { &mut self.pixels };
+        pixels[index].add(sample, weight, half)
+    }
+
+    /// What a pixel shows; see [`Pixel::develop`]. Halves that are kept apart count the same, however many samples they
+    /// have.
+    fn develop(&self, index: usize) -> [f32; 4] {
+        let halves = [Some(&self.pixels[index]), self.second.get(index)];
+        let [first, second] =
+            halves.map(|half| half.filter(|half| half.weight != 0).map(Pixel::develop));
+        match (first, second) {
+            (Some(first), Some(second)) => mean_color(first, second),
+            (one, other) => one.or(other).unwrap_or_default(),
+        }
+    }
+
+    /// A pixel's luminance; `None` if it has no samples.
+    fn mean_luminance(&self, index: usize) -> Option<f64> {
+        let halves = [Some(&self.pixels[index]), self.second.get(index)];
+        let [first, second] = halves.map(|half| half.and_then(Pixel::mean_luminance));
+        first.map(|first| second.map_or(first, |second| 0.5 * (first + second)))
+    }
+
+    /// A pixel's luminance and its variance; see [`Pixel::luminance`].
+    fn luminance(&self, index: usize) -> Option<(f64, f64)> {
+        let first = &self.pixels[index];
+        let Some(second) = self.second.get(index) else { return first.luminance() };
+        let (first, second) = (first.mean_luminance()?, second.mean_luminance()?);
+        Some((0.5 * (first + second), 0.25 * (first - second).powi(2)))
     }
 
     /// The indices of its pixels in the order of Morton's curve, in which neighbours stay together: rays that follow

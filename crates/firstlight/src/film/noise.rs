@@ -15,9 +15,9 @@ pub struct Noise {
 }
 
 /// Side of the squares of pixels whose variance is estimated together, since one pixel alone knows little of its own.
-const SQUARE: u32 = 4;
+pub(super) const SQUARE: u32 = 4;
 /// What is darker than this part of the mean is not looked at more closely.
-const DARK: f64 = 0.1;
+pub(super) const DARK: f64 = 0.1;
 
 /// A square of pixels.
 struct Square {
@@ -59,7 +59,7 @@ fn squares(tile: &Tile) -> impl Iterator<Item = Option<Square>> {
         let mut square = Square { pixels: 0.0, luminance: 0.0, variance: 0.0 };
         for y in upper..height.min(upper + SQUARE) {
             for x in left..width.min(left + SQUARE) {
-                let (luminance, variance) = tile.pixels[(y * width + x) as usize].luminance()?;
+                let (luminance, variance) = tile.luminance((y * width + x) as usize)?;
                 square.pixels += 1.0;
                 square.luminance += luminance;
                 square.variance += variance;

@@ -217,6 +217,19 @@ impl Analytic {
         axes.map(|axis| self.to_world.transform_vector3(axis).normalize_or_zero().as_vec3())
     }
 
+    /// How the texture coordinates grow at a point near one of its parts, in the world, m⁻¹.
+    pub(crate) fn gradients(&self, position: DVec3, part: u32) -> [Vec3; 2] {
+        let uv = |p: DVec3| self.kind.point(self.to_object.transform_point3(p), part).2;
+        let step = 1e-6 * self.to_world.matrix3.x_axis.length();
+        let growth = |axis: DVec3| {
+            let growth = uv(position + step * axis) - uv(position - step * axis);
+            // Around the axis, 1 is followed by 0.
+            DVec2::new(if growth.x.abs() > 0.5 { 0.0 } else { growth.x }, growth.y) / (2.0 * step)
+        };
+        let [x, y, z] = DVec3::AXES.map(growth);
+        [DVec3::new(x.x, y.x, z.x), DVec3::new(x.y, y.y, z.y)].map(|g| g.as_vec3())
+    }
+
     /// How many triangles it can be traced as: two for each square it is made of, none if it is made of others.
     pub(crate) fn triangle_count(&self) -> u32 {
         match self.kind {

@@ -7,6 +7,7 @@ pub(crate) mod triangle;
 
 pub(crate) use analytic::{Analytic, Piece};
 pub(crate) use bounds::Bounds;
+pub(crate) use ray::Cone;
 pub use ray::Hit;
 pub use ray::Ray;
 pub use triangle::solid_angle;

@@ -1,6 +1,7 @@
 //! A ray and what traversal answers.
 
 use glam::Vec3;
+use std::f32::consts::PI;
 
 /// A half-line with a range: the points `origin + t · direction`, `t_min < t ≤ t_max`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,5 +65,30 @@ impl Hit {
     pub(crate) fn is_before(&self, other: &Hit) -> bool {
         let identity = (self.surface, self.primitive);
         self.t < other.t || (self.t == other.t && identity < (other.surface, other.primitive))
+    }
+}
+/// What a ray and those beside it see together, as far as textures are concerned: a cone around the ray.
+///
+/// Amanatides, *Ray Tracing with Cones*, 1984; Akenine-Möller et al., *Texture Level of Detail Strategies for Real-Time Ray
+/// Tracing*, Ray Tracing Gems ch. 20, 2019.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Cone {
+    /// Width where the ray starts, m.
+    pub width: f32,
+    /// How much wider it gets per length of the ray.
+    pub spread: f32,
+}
+
+impl Cone {
+    /// The cone after so much of the ray, m.
+    pub(crate) fn after(self, distance: f32) -> Self {
+        Self { width: self.width + self.spread * distance, ..self }
+    }
+
+    /// The cone in a direction that was picked with a density, sr⁻¹: a part of all directions that it stands for, so that
+    /// many paths together blur nothing that matters.
+    pub(crate) fn scattered(self, pdf: f32) -> Self {
+        const PART: f32 = 0.2;
+        Self { spread: self.spread.max((PART / (PI * pdf).sqrt()).min(PART)), ..self }
     }
 }

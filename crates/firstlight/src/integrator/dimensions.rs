@@ -46,9 +46,14 @@ impl Bounce {
         self.0 + 4
     }
 
+    /// How far it goes in a medium until it arrives there.
+    pub(super) fn flight(self) -> u32 {
+        self.0 + 5
+    }
+
     /// Where ambient light may be kept out, and by way of which lobe it is looked for.
     pub(super) fn ambient(self) -> [u32; 2] {
-        [self.0 + 5, self.0 + 6]
+        [self.0 + 6, self.0 + 7]
     }
 
     /// The place on the sun with this number.

@@ -2,6 +2,7 @@
 //!
 //! Batches of rays go through the stages in the lecture's order; each stage takes slices and fills vectors.
 
+use super::media::Media;
 use super::record::{Asked, Followed, Gain, Recorder, add};
 use super::shadows::ShadowRays;
 use super::source::Source;
@@ -138,7 +139,7 @@ impl<'a> Direct<'a> {
             glossy: MATTE,
         });
         scratch.samples.clear();
-        scratch.samples.push(Sample { radiance: PI * self.scene.ambient, alpha: 1.0 });
+        scratch.samples.push(Sample::of(PI * self.scene.ambient));
         self.add_lights(scratch, &mut ());
         scratch.samples[0].radiance
     }
@@ -188,16 +189,22 @@ impl<'a> Direct<'a> {
                 hit: *hit,
                 throughput: Rgb::ONE,
             });
-            samples.push(Sample { radiance: Rgb::ZERO, alpha: 1.0 });
+            samples.push(Sample::of(Rgb::ZERO));
             if !hit.is_some() {
                 if self.transparent {
                     samples[ray].alpha = 0.0;
                 } else {
-                    add(samples, recorder, gain(Source::Background, self.scene.background, 0));
+                    add(
+                        self.scene,
+                        samples,
+                        recorder,
+                        gain(Source::Background, self.scene.background, 0),
+                    );
                 }
                 continue;
             }
-            let surface = self.scene.interaction(&rays[ray], hit);
+            let mut surface = self.scene.interaction(&rays[ray], hit);
+            surface.seen_width = self.scene.cone.after(hit.t).width;
             let material = self.scene.material(hit);
             let start = self.scene.shadow_start(&surface, &rays[ray]);
             let (scattered, matte, number) = if material.is_matte() {
@@ -214,8 +221,13 @@ impl<'a> Direct<'a> {
             };
             let ambient = self.scene.ambient_reflectance(material, &surface).unwrap_or(scattered);
             let emitted = self.scene.emitted(material, &surface);
-            add(samples, recorder, gain(Source::Surface(hit.surface), emitted, 0));
-            add(samples, recorder, gain(Source::Ambient, ambient * self.scene.ambient, 1));
+            add(self.scene, samples, recorder, gain(Source::Surface(hit.surface), emitted, 0));
+            add(
+                self.scene,
+                samples,
+                recorder,
+                gain(Source::Ambient, ambient * self.scene.ambient, 1),
+            );
             points.push(Point {
                 ray,
                 position: surface.position.as_dvec3(),
@@ -265,7 +277,7 @@ impl<'a> Direct<'a> {
             let ray = shadows.then(|| sample.ray_from(point.position.as_vec3(), start, t_min));
             let passed = Rgb::ONE;
             let asked = Asked { gain, ray, incoming, scattered, irradiance, passed };
-            shadow_rays.ask(&asked, samples, recorder);
+            shadow_rays.ask(self.scene, &asked, Media::default(), samples, recorder);
         }
     }
 }

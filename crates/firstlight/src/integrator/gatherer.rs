@@ -4,7 +4,6 @@ use super::RayCounts;
 use super::direct::{self, Direct};
 use super::path::{self, Clarity, Occlusion, Path};
 use super::record::Recorder;
-use crate::color::Rgb;
 use crate::film::Sample;
 use crate::geometry::Ray;
 use crate::sampler::PathPoints;
@@ -60,22 +59,27 @@ impl Way<'_> {
         normal: Vec3,
         points: &[PathPoints],
         gatherer: &mut Gatherer,
-    ) -> Rgb {
+    ) -> DVec3 {
         let Gatherer { direct: sums, path: paths } = gatherer;
         match self {
-            Self::Sum(direct) => return direct.irradiance(position, normal, sums),
+            Self::Sum(direct) => return direct.irradiance(position, normal, sums).as_dvec3(),
             Self::Paths(path) => path.irradiance(position, normal, points, paths),
             Self::Occlusion(occlusion) => occlusion.irradiance(position, normal, points, paths),
             Self::Clarity(clarity) => clarity.irradiance(position, normal, points, paths),
         }
-        let sum: DVec3 = paths.samples.iter().map(|sample| sample.radiance.as_dvec3()).sum();
-        (sum / points.len() as f64).as_vec3()
+        mean_radiance(&paths.samples)
     }
 
     /// π times the fraction of the sky that is not hidden by surfaces nearer than `distance`, m.
     pub(crate) fn to_sky(scene: &Scene, distance: f64) -> Way<'_> {
         Way::Occlusion(Occlusion::new(scene, false, distance))
     }
+}
+
+/// The mean of what samples gathered.
+pub(super) fn mean_radiance(samples: &[Sample]) -> DVec3 {
+    let sum: DVec3 = samples.iter().map(|sample| sample.radiance.as_dvec3()).sum();
+    sum / samples.len() as f64
 }
 
 /// What one worker needs to gather light; its buffers are reused from batch to batch.
@@ -106,6 +110,17 @@ impl Gatherer {
             }
         }
         self.samples(scene)
+    }
+
+    /// The same outside of a picture, compiled for every processor and once for all who ask.
+    #[inline(never)]
+    pub(crate) fn gather_alone(
+        &mut self,
+        scene: &Scene,
+        rays: &[Ray],
+        points: &[PathPoints],
+    ) -> &[Sample] {
+        self.gather(scene, false, rays, points, &mut ())
     }
 
     /// The samples of the last batch in `scene`.

@@ -1,10 +1,16 @@
 //! Which transparent solids a path is in.
 
-use crate::scene::description::{Interior, Material};
-use crate::scene::{Boundary, Scene};
+use crate::geometry::Ray;
+use crate::scene::description::{Interior, Material, Medium};
+use crate::scene::{Boundary, Everything, Scene};
+use glam::Vec3;
 
 /// Solids that a path may be in at once; what is entered beyond that is not seen.
 const MOST: usize = 6;
+/// Surfaces that are looked at to find out what is around a point.
+const MOST_AROUND: u32 = 1000;
+/// Where that is looked for: along no edge that people model.
+const SOMEWHERE: Vec3 = Vec3::new(0.359, 0.4817, 0.7993);
 
 /// The solids around a point, by their materials, in the order in which light entered them.
 ///
@@ -56,6 +62,34 @@ impl Media {
         scene.materials[self.innermost(scene)? as usize].interior.as_ref()
     }
 
+    /// What fills the space there, if anything does.
+    #[inline(always)]
+    pub(super) fn medium(&self, scene: &Scene) -> Option<Medium> {
+        self.interior(scene).map(Interior::medium).or(scene.medium)
+    }
+
+    /// The solids around a point, m. Only clouds have to be known before they are left.
+    pub(super) fn around(scene: &Scene, point: Vec3) -> Self {
+        let (mut found, mut entered) = (Vec::new(), Self::default());
+        let mut ray = Ray::new(point, SOMEWHERE.normalize());
+        let mut hits = Vec::new();
+        for _ in 0..if scene.is_cloudy { MOST_AROUND } else { 0 } {
+            scene.world.closest_hits(&[ray], &Everything, &mut hits);
+            let Some(hit) = hits.first().filter(|hit| hit.is_some()) else { break };
+            let at = scene.interaction(&ray, hit);
+            let material = scene.material_of[hit.surface as usize];
+            match scene.material(hit).interior {
+                Some(_) if at.front => entered = entered.with(material),
+                Some(_) if entered.contains(material) => entered = entered.without(material),
+                Some(_) => found.push(material),
+                None => {}
+            }
+            ray = Ray::new(at.behind(), ray.direction);
+        }
+        // The last to be left was the first to be entered.
+        found.into_iter().rev().fold(Self::default(), Self::with)
+    }
+
     /// The material that counts.
     fn innermost(&self, scene: &Scene) -> Option<u32> {
         let priority = |m: u32| scene.materials[m as usize].interior.map_or(0, |i| i.priority);
@@ -104,8 +138,7 @@ mod tests {
     /// A scene with solids of these indices and priorities.
     fn scene(solids: &[(f32, i32)]) -> Scene {
         let material = |&(index, priority): &(f32, i32)| {
-            let absorption = Rgb::ZERO;
-            let interior = Some(Interior { index, dispersion: 0.0, absorption, priority });
+            let interior = Some(Interior { priority, ..Interior::clear(index) });
             Material { interior, ..Material::matte("solid", Rgb::ONE) }
         };
         let materials = solids.iter().map(material).collect();

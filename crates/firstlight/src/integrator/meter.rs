@@ -1,10 +1,8 @@
 //! The light meter: single quantities with their error, through the stages of a render.
 
 use super::direct::{self, Direct};
-use super::gatherer::Way;
-use super::path;
+use super::gatherer::{Gatherer, Way, mean_radiance};
 use crate::color::Rgb;
-use crate::film::Sample;
 use crate::geometry::Ray;
 use crate::math::hash;
 use crate::sampler::{PathPoints, Sampler};
@@ -65,46 +63,27 @@ impl<'a> Meter<'a> {
 
     /// See [`Scene::irradiance`].
     pub fn irradiance(&self, point: DVec3, normal: DVec3) -> Measurement {
-        let normal = normal.as_vec3();
-        match Way::of(self.scene, false) {
-            Way::Sum(_) => {
-                let mut scratch = direct::Scratch::default();
-                self.repeat(|repetition| {
-                    self.sum(repetition).irradiance(point, normal, &mut scratch)
-                })
-            }
-            Way::Paths(path) => {
-                self.follow(|points, scratch| path.irradiance(point, normal, points, scratch))
-            }
-            Way::Occlusion(occlusion) => {
-                self.follow(|points, scratch| occlusion.irradiance(point, normal, points, scratch))
-            }
-            Way::Clarity(clarity) => {
-                self.follow(|points, scratch| clarity.irradiance(point, normal, points, scratch))
-            }
-        }
+        let (way, normal) = (Way::of(self.scene, false), normal.as_vec3());
+        let Way::Sum(_) = way else {
+            return self.follow(|points, gatherer| way.irradiance(point, normal, points, gatherer));
+        };
+        let mut scratch = direct::Scratch::default();
+        self.repeat(|repetition| self.sum(repetition).irradiance(point, normal, &mut scratch))
     }
 
     /// See [`Scene::radiance`].
     pub fn radiance(&self, ray: &Ray) -> Measurement {
-        let rays = |points: &[PathPoints]| vec![*ray; points.len()];
-        match Way::of(self.scene, false) {
-            Way::Sum(_) => {
-                let mut scratch = direct::Scratch::default();
-                self.repeat(|repetition| {
-                    self.sum(repetition).gather(&[*ray], &mut scratch, &mut ());
-                    scratch.samples[0].radiance
-                })
-            }
-            Way::Paths(path) => {
-                self.follow(|points, scratch| path.gather(&rays(points), points, scratch, &mut ()))
-            }
-            Way::Occlusion(occlusion) => self.follow(|points, scratch| {
-                occlusion.gather(&rays(points), points, scratch, &mut ())
-            }),
-            Way::Clarity(clarity) => self
-                .follow(|points, scratch| clarity.gather(&rays(points), points, scratch, &mut ())),
-        }
+        let Way::Sum(_) = Way::of(self.scene, false) else {
+            return self.follow(|points, gatherer| {
+                let rays = vec![*ray; points.len()];
+                mean_radiance(gatherer.gather_alone(self.scene, &rays, points))
+            });
+        };
+        let mut scratch = direct::Scratch::default();
+        self.repeat(|repetition| {
+            self.sum(repetition).gather(&[*ray], &mut scratch, &mut ());
+            scratch.samples[0].radiance
+        })
     }
 
     /// The lecture's sum with decisions of chance of its own.
@@ -121,18 +100,16 @@ impl<'a> Meter<'a> {
         mean((0..repetitions).map(|repetition| sample(repetition).as_dvec3()))
     }
 
-    /// The mean over several sequences of samples, a batch of which `gather` takes at a time.
-    fn follow(&self, gather: impl Fn(&[PathPoints], &mut path::Scratch) + Sync) -> Measurement {
+    /// The mean over several sequences of samples; `gather` finds that of a batch.
+    fn follow(&self, gather: impl Fn(&[PathPoints], &mut Gatherer) -> DVec3 + Sync) -> Measurement {
         let length = self.samples.div_ceil(Self::SEQUENCES).next_power_of_two();
         let sequence = |number: u32| {
             let seed = hash(self.scene.film().seed) ^ u64::from(number);
-            let (sampler, mut scratch) = (Sampler::new(seed, length), path::Scratch::default());
+            let (sampler, mut gatherer) = (Sampler::new(seed, length), Gatherer::default());
             let batches = (0..length).step_by(BATCH as usize).map(|start| {
                 let points = |index| sampler.points(0, 0, index);
                 let points: Vec<_> = (start..length.min(start + BATCH)).map(points).collect();
-                gather(&points, &mut scratch);
-                let radiance = |sample: &Sample| sample.radiance.as_dvec3();
-                scratch.samples.iter().map(radiance).sum::<DVec3>()
+                points.len() as f64 * gather(&points, &mut gatherer)
             });
             batches.sum::<DVec3>() / f64::from(length)
         };

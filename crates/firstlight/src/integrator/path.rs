@@ -13,13 +13,13 @@ pub(crate) use occlusion::Occlusion;
 
 use super::RayCounts;
 use super::dimensions::Bounce;
-use super::media::Media;
+use super::media::{Crossing, Media};
 use super::record::{Asked, Followed, Gain, Recorder, add};
 use super::shadows::ShadowRays;
 use super::source::Source;
 use crate::color::Rgb;
 use crate::film::Sample;
-use crate::geometry::{Hit, Ray};
+use crate::geometry::{Cone, Hit, Ray};
 use crate::sampler::PathPoints;
 use crate::scene::{LocalLight, LocalLights, Meets, Scene, SeenByCamera};
 use crate::shading::bsdf::{Bsdf, Frame, Kind, Lobe};
@@ -27,6 +27,7 @@ use crate::shading::interaction::{SurfaceInteraction, clearance};
 use crate::shading::light::LightSample;
 use crate::shading::light::area::AreaLight;
 use crate::shading::light::environment::EnvironmentSample;
+use crate::shading::volume::HenyeyGreenstein;
 use glam::{DVec3, Vec2, Vec3};
 use std::f32::consts::PI;
 use std::ops::Range;
@@ -81,7 +82,8 @@ struct Walk {
     bounce: u32,
     /// How often it was scattered, straight on not counted.
     reflections: u32,
-    /// Where it was picked, m, and the shading normal there: panes that were passed since do not count.
+    /// Where it was picked, m, and where lights had to be there ([`Bsdf::horizon`]): panes that were passed since do not
+    /// count.
     from: Vec3,
     normal: Vec3,
     /// Whether only mirrors and clear glass lie between the eye and the last ray.
@@ -90,6 +92,8 @@ struct Walk {
     media: Media,
     /// The colour channel that it is followed for, once glass has torn colours apart.
     channel: Option<u8>,
+    /// The cone around the last ray.
+    cone: Cone,
 }
 
 /// A point where a path is scattered.
@@ -146,7 +150,16 @@ impl<'a> Path<'a> {
         scratch.begin(rays.len());
         scratch.counts.camera += rays.len() as u64;
         scratch.rays.extend_from_slice(rays);
-        scratch.walks.extend((0..rays.len() as u32).map(Walk::from_eye));
+        let mut around = None;
+        for (sample, ray) in (0..).zip(rays) {
+            // Most cameras have all rays from one point.
+            let known = around.filter(|(origin, _)| *origin == ray.origin);
+            let known =
+                known.unwrap_or_else(|| (ray.origin, Media::around(self.scene, ray.origin)));
+            around = Some(known);
+            let eye = Walk::from_eye(sample);
+            scratch.walks.push(Walk { media: known.1, cone: self.scene.cone, ..eye });
+        }
         let filter = SeenByCamera(self.scene, 0);
         self.scene.world.closest_hits(&scratch.rays, &filter, &mut scratch.hits);
     }
@@ -162,7 +175,9 @@ impl<'a> Path<'a> {
     ) {
         self.stand(position, normal, points.len(), scratch);
         scratch.samples.iter_mut().for_each(|sample| sample.radiance = PI * self.scene.ambient);
-        self.follow(points, scratch, &mut ());
+        if self.bounces > 0 {
+            self.follow(points, scratch, &mut ());
+        }
     }
 
     /// Begins `count` paths at `position` on a surface that faces `normal` and reflects π times the light.
@@ -170,22 +185,23 @@ impl<'a> Path<'a> {
         let position = position.as_vec3();
         let start = position + clearance(normal, position.abs(), 0.0) * normal;
         scratch.begin(count);
-        scratch.lobes.push(Lobe { kind: Kind::Lambert, weight: Rgb::splat(PI), share: 1.0 });
+        let media = Media::around(self.scene, start);
+        scratch.lobes.push(Lobe::new(Kind::Lambert, Rgb::splat(PI)));
         scratch.vertices.extend((0..count as u32).map(|sample| Vertex {
-            walk: Walk { sharp_only: false, ..Walk::from_eye(sample) },
+            walk: Walk { sharp_only: false, media, ..Walk::from_eye(sample) },
             position,
             starts: [start; 2],
             frame: Frame::around(normal),
             outgoing: normal,
             lobes: 0..1,
-            beyond: Media::default(),
+            beyond: media,
         }));
     }
 
     /// Goes on from the vertices of the first bounce until all paths have ended.
     #[inline(always)]
     fn follow(&self, points: &[PathPoints], scratch: &mut Scratch, recorder: &mut impl Recorder) {
-        for bounce in 0..self.bounces {
+        for bounce in 0..u32::MAX {
             if scratch.vertices.is_empty() {
                 break;
             }
@@ -211,48 +227,60 @@ impl<'a> Path<'a> {
         vertices.clear();
         lobes.clear();
         for ((ray, walk), hit) in rays.iter().zip(&*walks).zip(&*hits) {
-            recorder.follow(&walk.along(bounce, ray, hit));
-            if !hit.is_some() {
-                if bounce == 0 && self.transparent {
-                    samples[walk.sample as usize].alpha = 0.0;
-                } else {
-                    for (source, radiance) in self.behind_all(bounce, walk, ray) {
-                        add(samples, recorder, walk.gain(bounce, source, radiance));
-                    }
+            let (mut walk, points) = (*walk, &points[walk.sample as usize]);
+            let pairs = Bounce::new(bounce);
+            let surface = hit.is_some().then(|| self.scene.interaction(ray, hit));
+            let crossing = surface.as_ref().and_then(|surface| {
+                walk.cross(self.scene, surface, || points.pair(pairs.channel()).x)
+            });
+            let before = walk;
+            let scattered = walk.fly(self.scene, hit.t, || points.pair(pairs.flight()));
+            if let Some((distance, phase)) = scattered {
+                let ray = Ray { t_max: distance, ..*ray };
+                recorder.follow(&before.along(bounce, &ray, &Hit::none(distance)));
+                if bounce == 0 {
+                    on_surface.push(walk.sample);
+                }
+                if walk.reflections < self.bounces {
+                    let gain = walk.reflected(bounce, Source::Ambient, self.scene.ambient);
+                    add(self.scene, samples, recorder, gain);
+                    vertices.push(Vertex::floating(walk, &ray, lobes.len() as u32));
+                    lobes.push(Lobe::new(Kind::Phase(phase), Rgb::ONE));
                 }
                 continue;
             }
+            recorder.follow(&before.along(bounce, ray, hit));
+            let Some(mut surface) = surface else {
+                if bounce == 0 && self.transparent {
+                    samples[walk.sample as usize].alpha = 0.0;
+                } else {
+                    for (source, radiance) in self.behind_all(bounce, &walk, ray) {
+                        add(self.scene, samples, recorder, walk.gain(bounce, source, radiance));
+                    }
+                }
+                continue;
+            };
             if bounce == 0 {
                 on_surface.push(walk.sample);
             }
-            let surface = self.scene.interaction(ray, hit);
+            walk.cone = walk.cone.after(hit.t);
+            surface.seen_width = walk.cone.width;
             let material = self.scene.material(hit);
-            let mut walk = *walk;
-            let crossing = material.interior.map(|interior| {
-                if interior.dispersion > 0.0 && walk.channel.is_none() {
-                    let pair = Bounce::new(bounce).channel();
-                    walk.follow_channel(points[walk.sample as usize].pair(pair).x);
-                }
-                let index = self.scene.material_of[hit.surface as usize];
-                walk.media.cross(self.scene, index, surface.front, walk.channel)
-            });
-            walk.media = crossing.map_or(walk.media, |crossing| crossing.before);
-            if let Some(interior) = walk.media.interior(self.scene) {
-                walk.throughput *= interior.transmittance(hit.t);
-            }
             let mut vertex = Vertex::new(walk, ray, &surface, lobes.len() as u32);
             vertex.beyond = crossing.map_or(walk.media, |crossing| crossing.beyond);
             let boundary = crossing.and_then(|crossing| crossing.boundary);
             if crossing.is_some() && boundary.is_none() {
-                lobes.push(Lobe { kind: Kind::Straight, weight: Rgb::ONE, share: 1.0 });
+                lobes.push(Lobe::new(Kind::Straight, Rgb::ONE));
             } else {
                 let emitted = self.scene.emitted(material, &surface);
                 if emitted != Rgb::ZERO {
                     let weight = self.weight_of_emission(&walk, &surface);
                     let source = Source::Surface(hit.surface);
-                    add(samples, recorder, walk.gain(bounce, source, emitted * weight));
+                    add(self.scene, samples, recorder, walk.gain(bounce, source, emitted * weight));
                 }
-                if bounce == self.bounces {
+                // What does not turn light aside is no reflection.
+                let on = material.interior.is_some() && material.passes_light();
+                if walk.reflections >= self.bounces && !on {
                     continue;
                 }
                 let (frame, scattered) =
@@ -263,7 +291,7 @@ impl<'a> Path<'a> {
                     let reflected = reflected.unwrap_or(scattered);
                     let gain =
                         walk.reflected(bounce, Source::Ambient, reflected * self.scene.ambient);
-                    add(samples, recorder, gain);
+                    add(self.scene, samples, recorder, gain);
                 }
             }
             vertex.lobes.end = lobes.len() as u32;
@@ -390,7 +418,7 @@ impl<'a> Path<'a> {
         u: Vec2,
     ) -> Option<Answer> {
         let Self { scene, .. } = self;
-        match scene.local_lights.pick(vertex.starts[0], vertex.frame.normal(), pick)? {
+        match scene.local_lights.pick(vertex.starts[0], vertex.bsdf(lobes).horizon(), pick)? {
             (LocalLight::Point(place), chance) => {
                 self.light_from_point(vertex, lobes, place, chance)
             }
@@ -447,7 +475,8 @@ impl<'a> Path<'a> {
         shadows.clear();
         for vertex in vertices.iter() {
             if let Some(answer) = light(vertex, lobes) {
-                shadows.ask(&answer.at(vertex, bounce), samples, recorder);
+                let asked = answer.at(vertex, bounce);
+                shadows.ask(self.scene, &asked, vertex.media(answer.incoming), samples, recorder);
             }
         }
         shadows.settle(self.scene, 0, samples, counts, recorder);
@@ -481,8 +510,9 @@ fn scatter(scene: &Scene, bounce: u32, points: &[PathPoints], scratch: &mut Scra
         walks.push(Walk { throughput, sharp_only, media, ..*walk });
         if let Some(walk) = walks.last_mut().filter(|_| !sample.straight) {
             (walk.pdf, walk.bounce) = (sample.pdf, bounce);
+            walk.cone = walk.cone.scattered(sample.pdf);
             walk.reflections += 1;
-            (walk.from, walk.normal) = (start, vertex.frame.normal());
+            (walk.from, walk.normal) = (start, vertex.bsdf(lobes).horizon());
         }
     }
 }
@@ -522,7 +552,7 @@ impl Scratch {
         self.lobes.clear();
         self.on_surface.clear();
         self.samples.clear();
-        self.samples.resize(count, Sample { radiance: Rgb::ZERO, alpha: 1.0 });
+        self.samples.resize(count, Sample::of(Rgb::ZERO));
     }
 }
 
@@ -539,7 +569,42 @@ impl Walk {
             sharp_only: true,
             media: Media::default(),
             channel: None,
+            cone: Cone::default(),
         }
+    }
+
+    /// Where the last ray met a surface of a solid: what is before it and beyond. `channel`, in 0..1, picks a colour channel
+    /// if it takes one.
+    #[inline(always)]
+    fn cross(
+        &mut self,
+        scene: &Scene,
+        surface: &SurfaceInteraction,
+        channel: impl FnOnce() -> f32,
+    ) -> Option<Crossing> {
+        let interior = scene.material(&surface.hit).interior?;
+        if interior.dispersion > 0.0 && self.channel.is_none() {
+            self.follow_channel(channel());
+        }
+        let material = scene.material_of[surface.hit.surface as usize];
+        let crossing = self.media.cross(scene, material, surface.front, self.channel);
+        self.media = crossing.before;
+        Some(crossing)
+    }
+
+    /// Goes along the last ray, of which there is so much, m, through what fills the space there, picking the distance by
+    /// two numbers in 0..1. Returns that distance and how light is scattered there; `None` if it came to the end.
+    #[inline(always)]
+    fn fly(
+        &mut self,
+        scene: &Scene,
+        length: f32,
+        u: impl FnOnce() -> Vec2,
+    ) -> Option<(f32, HenyeyGreenstein)> {
+        let medium = self.media.medium(scene).filter(|_| self.throughput != Rgb::ZERO)?;
+        let flight = medium.fly(length, self.throughput, u);
+        self.throughput *= flight.weight;
+        flight.scattered.then_some((flight.distance, HenyeyGreenstein { g: medium.anisotropy }))
     }
 
     /// Light of `radiance` that comes along the last ray from what it met.
@@ -584,6 +649,21 @@ impl Vertex {
             lobes: lobes..lobes,
             beyond: walk.media,
         }
+    }
+
+    /// At the end of `ray`, between the particles of a medium, with one lobe.
+    fn floating(walk: Walk, ray: &Ray, lobe: u32) -> Self {
+        let position = ray.origin + ray.t_max * ray.direction;
+        let frame = Frame::around(-ray.direction);
+        let (starts, outgoing, beyond) = ([position; 2], -ray.direction, walk.media);
+        Self { walk, position, starts, frame, outgoing, lobes: lobe..lobe + 1, beyond }
+    }
+
+    /// The solids that light from `incoming` arrives through.
+    #[inline(always)]
+    fn media(&self, incoming: Vec3) -> Media {
+        let through = incoming.dot(self.frame.normal()) < 0.0;
+        if through { self.beyond } else { self.walk.media }
     }
 
     #[inline(always)]

@@ -4,9 +4,10 @@
 //! with a [`Record`].
 
 use super::source::Source;
-use crate::color::Rgb;
+use crate::color::{Rgb, luminance};
 use crate::film::Sample;
 use crate::geometry::{Hit, Ray};
+use crate::scene::Scene;
 use glam::Vec3;
 
 /// Light that a sample gained.
@@ -132,9 +133,20 @@ impl Recorder for Record {
     }
 }
 
-/// Adds light to its sample, and says so.
+/// Adds light to its sample, and says so. Light that was scattered more than once is clamped if the scene's film wants that.
 #[inline(always)]
-pub(super) fn add(samples: &mut [Sample], recorder: &mut impl Recorder, gain: Gain) {
-    samples[gain.sample as usize].radiance += gain.radiance;
+pub(super) fn add(
+    scene: &Scene,
+    samples: &mut [Sample],
+    recorder: &mut impl Recorder,
+    mut gain: Gain,
+) {
+    let sample = &mut samples[gain.sample as usize];
+    if let Some(most) = scene.film().clamp.filter(|_| gain.reflections > 1) {
+        let whole = gain.radiance;
+        gain.radiance *= (most as f32 / whole.max_element()).min(1.0);
+        sample.clamped += luminance(whole - gain.radiance);
+    }
+    sample.radiance += gain.radiance;
     recorder.gain(&gain);
 }

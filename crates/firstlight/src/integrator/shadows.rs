@@ -1,6 +1,7 @@
 //! Shadow rays: light that was asked for waits until it is known what stands in the way.
 
 use super::RayCounts;
+use super::media::Media;
 use super::panes;
 use super::record::{Asked, Gain, Recorder, add};
 use crate::color::Rgb;
@@ -19,6 +20,8 @@ pub(super) struct ShadowRays {
 /// Light that reaches the eye if nothing is in the way.
 struct Awaited {
     gain: Gain,
+    /// The solids that its ray starts in.
+    media: Media,
     /// The recorder's number of it.
     number: u32,
 }
@@ -31,11 +34,13 @@ impl ShadowRays {
         self.awaited.clear();
     }
 
-    /// Takes note of light, or adds it at once if nothing can stop it.
+    /// Takes note of light that a ray asks for from within `media`, or adds it at once if nothing can stop it.
     #[inline(always)]
     pub(super) fn ask(
         &mut self,
+        scene: &Scene,
         asked: &Asked,
+        media: Media,
         samples: &mut [Sample],
         recorder: &mut impl Recorder,
     ) {
@@ -43,13 +48,13 @@ impl ShadowRays {
         match asked.ray {
             Some(ray) => {
                 self.rays.push(ray);
-                self.awaited.push(Awaited { gain: asked.gain, number });
+                self.awaited.push(Awaited { gain: asked.gain, media, number });
             }
-            None => add(samples, recorder, asked.gain),
+            None => add(scene, samples, recorder, asked.gain),
         }
     }
 
-    /// Traces the rays, and adds the light of those that nothing stops; panes tint it. The number tells repetitions of
+    /// Traces the rays, and adds the light of those that nothing stops; panes tint it, media weaken it. The number tells repetitions of
     /// a ray apart where chance decides.
     #[inline(always)]
     pub(super) fn settle(
@@ -68,10 +73,10 @@ impl ShadowRays {
                 recorder.answer(awaited.number, Rgb::ZERO);
                 continue;
             }
-            let passed = panes::tint(scene, ray, repetition);
+            let passed = panes::tint(scene, ray, awaited.media, repetition);
             recorder.answer(awaited.number, passed);
             let radiance = awaited.gain.radiance * passed;
-            add(samples, recorder, Gain { radiance, ..awaited.gain });
+            add(scene, samples, recorder, Gain { radiance, ..awaited.gain });
         }
     }
 }

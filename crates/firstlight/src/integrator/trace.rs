@@ -13,7 +13,7 @@ impl Scene {
     pub fn trace(&self, ray: &Ray, t_min: f32, t_max: f32) -> Rgb {
         let ray = Ray { t_min, t_max, ..*ray };
         let points = Sampler::new(self.film().seed, 1).points(0, 0, 0);
-        Gatherer::default().gather(self, false, &[ray], &[points], &mut ())[0].radiance
+        Gatherer::default().gather_alone(self, &[ray], &[points])[0].radiance
     }
 
     /// What each ray hits first, in its range, as a camera would see it. Rays that lie close to each other and in

@@ -8,6 +8,7 @@ mod atomic;
 mod exr;
 pub mod gltf;
 mod hdr;
+mod ktx2;
 mod layers;
 mod load;
 pub mod luminaire;

@@ -72,7 +72,7 @@ pub fn save_part(info: &PartInfo, film: &Film) -> Result<Vec<u8>> {
     let picture = ["R", "G", "B", "A"].into_iter().enumerate();
     let picture =
         picture.map(|(i, name)| AnyChannel::new(name, plane(&image, i, Precision::Float)));
-    let words = film.rows(|pixel| pixel.to_words());
+    let words = film.rows(|tile, index| tile.pixels[index].to_words());
     let sums = (0..Pixel::WORDS).map(|i| {
         let values = words.iter().map(|words| words[i]).collect();
         AnyChannel::new(channel_name(i).as_str(), FlatSamples::U32(values))

@@ -50,6 +50,17 @@ impl<'a> Pictures<'a> {
         })
     }
 
+    /// Whether the picture that `texture` shows has colours, and not only greys.
+    pub(super) fn is_colored(&self, texture: &Texture) -> bool {
+        let Pattern::Image { image, .. } = texture.pattern else { return false };
+        // JPEG's greys are a little off.
+        let differ = |[r, g, b, _]: [u8; 4]| r.abs_diff(g).max(g.abs_diff(b)) > 12;
+        self.images.get(image).is_some_and(|pixels| match &pixels.texels {
+            Texels::Srgb8(texels) => texels.iter().any(|&texel| differ(texel)),
+            Texels::Linear(texels) => texels.iter().any(|[r, g, b, _]| r != g || g != b),
+        })
+    }
+
     fn number(&mut self, file: &str, place: Place, warnings: &mut Warnings) -> Option<usize> {
         if let Some(&number) = self.known.get(file) {
             return number;

@@ -1,6 +1,6 @@
-//! Pictures in: the bytes of a PNG, JPEG, WebP, HDR, EXR or PFM file → [`Pixels`] or an [`Image`].
+//! Pictures in: the bytes of a PNG, JPEG, WebP, KTX2, HDR, EXR or PFM file → [`Pixels`] or an [`Image`].
 
-use super::{Limits, exr, hdr, pfm, png};
+use super::{Limits, exr, hdr, ktx2, pfm, png};
 use crate::Image;
 use crate::color::srgb_linear8;
 use crate::diagnostic::{Diagnostic, Result};
@@ -12,7 +12,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Decodes a picture; the format is recognised by its first bytes, not by the name.
 ///
-/// JPEG, WebP and PNG are taken as sRGB-encoded whatever colour profile they carry, as glTF demands; 16-bit PNG
+/// JPEG, WebP, KTX2 and PNG are taken as sRGB-encoded whatever colour profile they carry, as glTF demands; 16-bit PNG
 /// becomes linear. HDR, EXR and PFM are linear and may not hold NaN or infinities. Of an EXR file the first
 /// layer with colour (R, G, B or one grey channel) is read, its data window being the picture.
 ///
@@ -25,6 +25,7 @@ pub fn decode(bytes: &[u8], name: &str, limits: &Limits) -> Result<Pixels> {
         [0x89, b'P', b'N', b'G', ..] => png::decode,
         [0xFF, 0xD8, 0xFF, ..] => decode_jpeg,
         [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => decode_webp,
+        [0xAB, b'K', b'T', b'X', b' ', b'2', b'0', ..] => ktx2::decode,
         [b'#', b'?', ..] => hdr::decode,
         [0x76, 0x2F, 0x31, 0x01, ..] => exr::decode,
         [b'P', b'F' | b'f', b'\n' | b'\r' | b' ' | b'\t', ..] => pfm::decode,
@@ -43,7 +44,7 @@ fn gave_up(input: &Input) -> Box<Diagnostic> {
     input.fail("the decoder gave up on this picture: it is damaged").into()
 }
 
-const KNOWN: &str = "PNG, JPEG, WebP, HDR, EXR and PFM can be read";
+const KNOWN: &str = "PNG, JPEG, WebP, KTX2, HDR, EXR and PFM can be read";
 
 /// Reads a picture file as linear radiance.
 ///

@@ -87,6 +87,9 @@ pub struct Develop {
     pub exposure_ev: f32,
     /// What is made of light that is brighter than white.
     pub view: View,
+    /// Whether values between two steps of 8 bits become a pattern of both, so that soft shades show no bands. What a
+    /// step holds exactly stays what it is.
+    pub dither: bool,
 }
 
 impl Develop {

@@ -20,6 +20,18 @@ impl Coverage {
         }
     }
 
+    /// With another one, each as if of weight 1/2.
+    pub(super) fn joined(self, other: Self) -> Self {
+        let mut joined = Self::default();
+        for half in [self, other] {
+            let whole: f32 = half.0.iter().map(|(_, weight)| weight).sum();
+            half.0
+                .into_iter()
+                .for_each(|(surface, weight)| joined.add(surface, 0.5 * weight / whole));
+        }
+        joined
+    }
+
     /// The covered part under the number of each name, the largest first.
     fn ranks(&self, number: impl Fn(u32) -> f32) -> Vec<(f32, f32)> {
         let whole: f32 = self.0.iter().map(|(_, weight)| weight).sum();
@@ -110,4 +122,27 @@ fn number(name: &str) -> f32 {
     let bits = hash(name);
     let exponent = bits >> 23 & 0xff;
     f32::from_bits(if exponent == 0 || exponent == 0xff { bits ^ 1 << 23 } else { bits })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The published value of MurmurHash3 (x86, 32 bit) of "hello" with seed 0.
+    #[test]
+    fn names_have_their_numbers() {
+        assert_eq!(hash("hello"), 0x248b_fa47);
+        assert_eq!(number("hello").to_bits(), 0x248b_fa47);
+        assert!((0..100_000).all(|i| number(&i.to_string()).is_normal()));
+    }
+
+    #[test]
+    fn surfaces_of_one_name_count_together() {
+        let mut coverage = Coverage::default();
+        for (surface, weight) in [(Some(0), 1.0), (None, 2.0), (Some(1), 1.0), (Some(2), 4.0)] {
+            coverage.add(surface, weight);
+        }
+        let ranks = coverage.ranks(|surface| if surface == 2 { 7.0 } else { 5.0 });
+        assert_eq!(ranks, [(7.0, 0.5), (5.0, 0.25)]);
+    }
 }

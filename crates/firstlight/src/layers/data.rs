@@ -131,8 +131,9 @@ impl<'a> Viewer<'a> {
             return seen;
         }
         let (position, points) = (at.position.as_dvec3(), points());
-        let mut measure =
-            |way: &Way<'_>| way.irradiance(position, at.geometric_normal, &points, gatherer);
+        let mut measure = |way: &Way<'_>| {
+            way.irradiance(position, at.geometric_normal, &points, gatherer).as_vec3()
+        };
         seen.irradiance = self.light.as_ref().map_or(Rgb::ZERO, &mut measure);
         seen.ao = self.sky.as_ref().map_or(0.0, |sky| measure(sky).x / PI);
         seen

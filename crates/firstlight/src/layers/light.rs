@@ -3,7 +3,7 @@
 use super::crypto::{Coverage, CryptoNames};
 use super::{Channel, Layer};
 use crate::color::{Rgb, luminance};
-use crate::film::{Sample, Tile};
+use crate::film::{Half, Sample, Tile};
 use crate::integrator::{Gain, Record, Source};
 use crate::scene::Scene;
 use crate::scene::description::{Integrator, SceneDescription};
@@ -54,6 +54,8 @@ struct Sums {
     arrived: f64,
     squares: DVec3,
     radiance: DVec3,
+    /// Of the mean, once halves are joined.
+    joined_variance: Option<DVec3>,
     weight: f64,
     rays: u32,
     count: u32,
@@ -65,20 +67,27 @@ struct Sums {
 pub(crate) struct LightTile {
     /// The place of each source among a pixel's.
     places: BTreeMap<Source, usize>,
-    pixels: Vec<Sums>,
+    empty: Vec<Sums>,
+    /// Of the halves of a picture that are kept apart; else the second has none.
+    halves: [Vec<Sums>; 2],
 }
 
 impl LightTile {
     pub(crate) fn new(scene: &Scene, pixels: usize) -> Self {
         let places: BTreeMap<_, _> = sources(scene).into_iter().zip(0..).collect();
         let empty = Sums { sources: vec![DVec3::ZERO; places.len()], ..Sums::default() };
-        Self { places, pixels: vec![empty; pixels] }
+        let empty = vec![empty; pixels];
+        Self { places, halves: [empty.clone(), Vec::new()], empty }
     }
 
-    /// Adds a batch of samples.
-    pub(crate) fn add(&mut self, samples: &[Taken], record: &Record) {
+    /// Adds a batch of samples of one half.
+    pub(crate) fn add(&mut self, samples: &[Taken], half: Half, record: &Record) {
+        let pixels = &mut self.halves[usize::from(half == Half::Second)];
+        if pixels.is_empty() {
+            pixels.clone_from(&self.empty);
+        }
         for taken in samples {
-            let sums = &mut self.pixels[taken.pixel];
+            let sums = &mut pixels[taken.pixel];
             let (weight, radiance) = (f64::from(taken.weight), taken.sample.radiance.as_dvec3());
             sums.count += 1;
             if weight != 0.0 {
@@ -94,13 +103,13 @@ impl LightTile {
                 continue;
             }
             let radiance = f64::from(taken.weight) * gain.radiance.as_dvec3();
-            let sums = &mut self.pixels[taken.pixel];
+            let sums = &mut pixels[taken.pixel];
             sums.parts[Part::of(gain) as usize] += radiance;
             sums.sources[self.places[&gain.source]] += radiance;
         }
         for asked in &record.asked {
             let taken = &samples[asked.gain.sample as usize];
-            let sums = &mut self.pixels[taken.pixel];
+            let sums = &mut pixels[taken.pixel];
             sums.rays += u32::from(asked.ray.is_some());
             if asked.gain.reflections == 1 && taken.weight != 0.0 {
                 let weight = f64::from(taken.weight);
@@ -110,13 +119,22 @@ impl LightTile {
         }
         for followed in &record.followed {
             let taken = &samples[followed.sample as usize];
-            let sums = &mut self.pixels[taken.pixel];
+            let sums = &mut pixels[taken.pixel];
             sums.rays += 1;
             if followed.bounce == 0 {
                 sums.surfaces
                     .add(followed.hit.is_some().then_some(followed.hit.surface), taken.weight);
             }
         }
+    }
+}
+
+impl LightTile {
+    /// Both halves together, which count the same, however many samples they have.
+    fn joined(self) -> Vec<Sums> {
+        let [first, second] = self.halves;
+        let mut second = second.into_iter();
+        first.into_iter().map(|sums| sums.joined(second.next())).collect()
     }
 }
 
@@ -161,7 +179,7 @@ impl LightLayers {
     ) -> Self {
         let mut pixels = vec![Sums::default(); size[0] as usize * size[1] as usize];
         for (place, sums) in Tile::cut(origin, size).iter().zip(tiles) {
-            for (index, sums) in sums.pixels.into_iter().enumerate() {
+            for (index, sums) in sums.joined().into_iter().enumerate() {
                 let [x, y] = place.place(index);
                 let row = (y - origin[1]) as usize * size[0] as usize;
                 pixels[row + (x - origin[0]) as usize] = sums;
@@ -242,8 +260,34 @@ impl LightLayers {
 }
 
 impl Sums {
+    /// With the other half, each as if of weight 1/2.
+    fn joined(self, other: Option<Self>) -> Self {
+        let Some(other) = other.filter(|other| other.weight > 0.0) else { return self };
+        if self.weight <= 0.0 {
+            return other;
+        }
+        let (own, its) = (0.5 / self.weight, 0.5 / other.weight);
+        let mix = |a: DVec3, b: DVec3| own * a + its * b;
+        let variance = 0.25 * (self.variance() + other.variance());
+        Self {
+            parts: std::array::from_fn(|part| mix(self.parts[part], other.parts[part])),
+            sources: self.sources.iter().zip(&other.sources).map(|(a, b)| mix(*a, *b)).collect(),
+            asked: own * self.asked + its * other.asked,
+            arrived: own * self.arrived + its * other.arrived,
+            joined_variance: Some(variance),
+            weight: 1.0,
+            rays: self.rays + other.rays,
+            count: self.count + other.count,
+            surfaces: self.surfaces.joined(other.surfaces),
+            ..Self::default()
+        }
+    }
+
     /// Of the mean of as many independent samples.
     fn variance(&self) -> DVec3 {
+        if let Some(variance) = self.joined_variance {
+            return variance;
+        }
         let count = self.weight;
         if count < 2.0 {
             return DVec3::ZERO;

@@ -13,6 +13,7 @@ use crate::geometry::Analytic;
 use crate::kernels::{ONE_SIDED, PARTLY_THERE};
 use crate::shading::light::environment::Sun;
 use crate::shading::light::{Cone, Light as BuiltLight, RoundLight, Source};
+use crate::shading::texture::Picture;
 use crate::simd::Level;
 use glam::DMat3;
 use std::sync::Arc;
@@ -59,8 +60,11 @@ impl Scene {
             world,
             material_of,
             materials: description.materials.clone(),
-            has_panes: description.materials.iter().any(Material::is_pane),
-            images: description.images.clone(),
+            has_panes: description.materials.iter().any(Material::passes_light),
+            is_cloudy: description.materials.iter().any(Material::is_cloudy),
+            medium: description.medium,
+            cone: camera.cone(film.samples),
+            pictures: description.images.iter().cloned().map(Picture::new).collect(),
             lights,
             round_lights,
             suns,
@@ -203,7 +207,7 @@ pub(super) fn part(
 /// What traversal has to ask about surfaces of this material.
 fn flags(material: &Material) -> u32 {
     let one_sided = if material.double_sided && material.visible { 0 } else { ONE_SIDED };
-    let solid = material.alpha == Alpha::Opaque && !material.is_pane();
+    let solid = material.alpha == Alpha::Opaque && !material.passes_light();
     let partly_there = if solid { 0 } else { PARTLY_THERE };
     one_sided | partly_there
 }

@@ -13,13 +13,13 @@ pub(crate) struct SeenByCamera<'a>(pub &'a Scene, pub u32);
 /// Rays from surface to surface: they pass through holes only. The number is that of [`SeenByCamera`].
 pub(crate) struct Meets<'a>(pub &'a Scene, pub u32);
 
-/// Shadow rays: they pass through holes and panes. The number is that of [`SeenByCamera`].
+/// Shadow rays: they pass through holes, panes and what bounds a medium without bending light. The number is that of [`SeenByCamera`].
 pub(crate) struct StopsLight<'a>(pub &'a Scene, pub u32);
 
 /// Whatever there is, seen or not.
 pub(crate) struct Everything;
 
-/// The panes that shadow rays pass through.
+/// What shadow rays pass through.
 pub(crate) struct OnlyPanes<'a>(pub &'a Scene, pub u32);
 
 impl HitFilter for SeenByCamera<'_> {
@@ -52,7 +52,7 @@ impl HitFilter for StopsLight<'_> {
     }
 
     fn accepts(&self, ray: &Ray, hit: &Hit, _: bool) -> bool {
-        !self.0.material(hit).is_pane() && self.0.is_there(ray, hit, self.1)
+        !self.0.material(hit).passes_light() && self.0.is_there(ray, hit, self.1)
     }
 }
 
@@ -63,7 +63,7 @@ impl HitFilter for OnlyPanes<'_> {
     }
 
     fn accepts(&self, ray: &Ray, hit: &Hit, _: bool) -> bool {
-        self.0.material(hit).is_pane() && self.0.is_there(ray, hit, self.1)
+        self.0.material(hit).passes_light() && self.0.is_there(ray, hit, self.1)
     }
 }
 

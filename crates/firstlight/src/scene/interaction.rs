@@ -1,11 +1,11 @@
 //! From traversal's answer to the point that is shaded.
 
 use super::Scene;
-use super::description::{Material, Mesh, Texture};
+use super::description::{Material, Mesh, Pattern, Texture};
 use crate::bvh::{MeshPart, Part};
 use crate::geometry::{Analytic, Hit, Ray};
 use crate::shading::interaction::{SurfaceInteraction, clearance, lift};
-use crate::shading::texture::{Role, evaluate, uv_set};
+use crate::shading::texture::{Role, Spot, evaluate, uv_set};
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
 impl Scene {
@@ -33,11 +33,34 @@ impl Scene {
     /// RGBA of a texture at a point.
     #[inline(always)]
     pub(crate) fn look_up(&self, texture: &Texture, at: &SurfaceInteraction, role: Role) -> Vec4 {
+        evaluate(texture, &self.pictures, self.spot(texture, at), at.color, role)
+    }
+
+    /// Where a texture is looked at.
+    #[inline(always)]
+    pub(crate) fn spot(&self, texture: &Texture, at: &SurfaceInteraction) -> Spot {
         let uv = match (uv_set(texture), &self.world.parts()[at.hit.surface as usize]) {
             (set @ 1.., Part::Mesh(part)) => mesh_uv(&part.mesh, set, &at.hit),
             _ => at.uv,
         };
-        evaluate(texture, &self.images, uv, at.color, role)
+        let pointlike = at.seen_width == 0.0
+            || matches!(texture.pattern, Pattern::Constant | Pattern::Gradient { .. });
+        if pointlike { Spot::at(uv) } else { self.wide_spot(texture, at, uv) }
+    }
+
+    #[inline(never)]
+    fn wide_spot(&self, texture: &Texture, at: &SurfaceInteraction, uv: Vec2) -> Spot {
+        let [u, v] = self.gradients(at, uv_set(texture));
+        let extent = at.seen_axes().map(|axis| Vec2::new(axis.dot(u), axis.dot(v)));
+        Spot { uv, extent }
+    }
+
+    /// How the texture coordinates of a set grow, in the world, m⁻¹; zero if unknown.
+    pub(crate) fn gradients(&self, at: &SurfaceInteraction, uv_set: usize) -> [Vec3; 2] {
+        match &self.world.parts()[at.hit.surface as usize] {
+            Part::Mesh(part) => mesh_gradients(part, uv_set, &at.hit),
+            Part::Analytic(shape, _) => shape.gradients(at.position.as_dvec3(), at.hit.primitive),
+        }
     }
 
     /// The directions in which the texture coordinates of a set grow, in the world, of any length; zero if unknown.
@@ -70,6 +93,8 @@ fn on_analytic(shape: &Analytic, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
         geometric_normal: normal,
         shading_normal: normal,
         uv: point.uv.as_vec2(),
+        seen_width: 0.0,
+        seen_along: ray.direction,
         color: [1.0; 4],
     }
 }
@@ -93,6 +118,8 @@ fn on_mesh(part: &MeshPart, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
         geometric_normal: outward,
         shading_normal: outward,
         uv: mesh_uv(&part.mesh, 0, hit),
+        seen_width: 0.0,
+        seen_along: ray.direction,
         color: mesh_color(&part.mesh, hit),
     };
     if !part.mesh.normals.is_empty() {
@@ -178,6 +205,27 @@ fn mesh_growing(part: &MeshPart, uv_set: usize, hit: &Hit) -> [Vec3; 2] {
         let in_world = part.instanced.then(|| part.to_world.transform_vector3(axis));
         in_world.unwrap_or(axis).normalize_or_zero().as_vec3()
     })
+}
+
+/// From the corners' positions and texture coordinates: what changes from one corner to another grows across the edge
+/// that it does not change along.
+fn mesh_gradients(part: &MeshPart, uv_set: usize, hit: &Hit) -> [Vec3; 2] {
+    let uvs = part.mesh.uvs.get(uv_set).filter(|uvs| !uvs.is_empty());
+    let Some(uvs) = uvs else { return [Vec3::ZERO; 2] };
+    let [a, b, c] = part.corners(hit.primitive).map(|corner| {
+        let corner = corner.as_dvec3();
+        if part.instanced { part.to_world.transform_point3(corner) } else { corner }
+    });
+    let [s, t, w] = part.mesh.triangles[hit.primitive as usize].map(|i| uvs[i as usize].as_dvec2());
+    let (b, c) = (b - a, c - a);
+    let normal = b.cross(c);
+    let area2 = normal.length_squared();
+    if area2 == 0.0 {
+        return [Vec3::ZERO; 2];
+    }
+    let (toward_b, toward_c) = (c.cross(normal) / area2, normal.cross(b) / area2);
+    let (t, w) = (t - s, w - s);
+    [t.x * toward_b + w.x * toward_c, t.y * toward_b + w.y * toward_c].map(|g| g.as_vec3())
 }
 
 #[inline(always)]

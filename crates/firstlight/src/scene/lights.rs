@@ -65,7 +65,9 @@ pub(super) fn mean_emission(material: &Material, images: &[Arc<Pixels>]) -> f32 
     let Texture { factor, pattern, .. } = &material.emission;
     let pattern = match pattern {
         Pattern::Constant => Vec4::ONE,
-        Pattern::Checker { colors: [a, b], .. } => {
+        Pattern::Checker { colors: [a, b], .. }
+        | Pattern::Gradient { colors: [a, b], .. }
+        | Pattern::Noise { colors: [a, b], .. } => {
             0.5 * (Vec4::from_array(*a) + Vec4::from_array(*b))
         }
         Pattern::Image { image, .. } => mean(&images[*image]),
@@ -162,13 +164,16 @@ impl LocalLights {
 }
 
 impl SceneDescription {
-    /// Whether nothing shines but points and what is as good as a point, and nothing mirrors: what the lecture has.
+    /// Whether nothing shines but points and what is as good as a point, nothing mirrors, and the air is clear: what the
+    /// lecture has.
     pub(crate) fn is_lecture(&self) -> bool {
         let plain = |surface: &Surface| {
             let material = &self.materials[surface.material];
-            !matches!(material.scattering, Scattering::Mirror { .. }) && !emits(material)
+            let cloudy = material.is_cloudy() || material.passes_light() && !material.is_pane();
+            !matches!(material.scattering, Scattering::Mirror { .. }) && !emits(material) && !cloudy
         };
         self.environment.is_none()
+            && self.medium.is_none()
             && !self.lights.iter().any(|light| light.has_extent() || light.is_near_ambient())
             && self.surfaces.iter().all(plain)
     }

@@ -2,14 +2,15 @@
 
 use super::Scene;
 use super::description::{
-    Facets, Material, NormalMap, Pattern, Principled, Scalar, Scattering, Texture,
+    BumpAmount, BumpMap, Facets, Material, NormalMap, Pattern, Principled, Scalar, Scattering,
+    Texture,
 };
 use crate::color::Rgb;
 use crate::shading::bsdf::{
     Bsdf, Frame, Fresnel, Kind, Layers, Lobe, PrincipledPoint, Wall, above, principled,
 };
 use crate::shading::interaction::SurfaceInteraction;
-use crate::shading::texture::{Role, uv_set};
+use crate::shading::texture::{Role, Spot, evaluate, uv_set};
 use glam::{Vec2, Vec3, Vec3Swizzles, Vec4Swizzles};
 
 /// A boundary between two media as light that leaves it sees it.
@@ -47,6 +48,7 @@ fn unturned(texture: &Texture, direction: Vec2) -> Vec2 {
 struct Maker<'a> {
     scene: &'a Scene,
     at: &'a SurfaceInteraction,
+    frame: Frame,
     boundary: Option<Boundary>,
 }
 
@@ -67,13 +69,13 @@ impl Scene {
         if material.is_matte() {
             let weight = self.evaluate(&material.reflectance, at).xyz();
             if weight != Rgb::ZERO {
-                lobes.push(Lobe { kind: Kind::Lambert, weight, share: 1.0 });
+                lobes.push(Lobe::new(Kind::Lambert, weight));
             }
             return (self.frame(material, at), weight);
         }
         let frame = self.frame(material, at);
         let mut layers = Layers::new(lobes, above(frame.to_local(outgoing)));
-        Maker { scene: self, at, boundary }.add(material, &mut layers);
+        Maker { scene: self, at, frame, boundary }.add(material, &mut layers);
         (frame, layers.finish())
     }
 
@@ -92,7 +94,10 @@ impl Scene {
     /// the material wants it.
     fn frame(&self, material: &Material, at: &SurfaceInteraction) -> Frame {
         let ground = at.shading_normal;
-        let normal = material.normal.as_ref().map_or(ground, |map| self.bent_normal(map, at));
+        let raised = material.bump.as_ref().map_or(ground, |map| self.raised_normal(map, at));
+        let normal = material.normal.as_ref().map_or(raised, |map| {
+            self.bent_normal(map, &SurfaceInteraction { shading_normal: raised, ..*at })
+        });
         let frame = match brushed(material) {
             Some(facets) => self.brushed_frame(normal, facets, at),
             None => Frame::around(normal),
@@ -121,6 +126,45 @@ impl Scene {
         let slope = if at.front { slope } else { -slope };
         let [along_u, along_v] = flattened(self.growing(at, uv_set(&map.texture)), normal);
         (slope.x * along_u + slope.y * along_v + texel.z.max(1e-3) * normal).normalize()
+    }
+
+    /// The normal of a surface that a map raises, on the side of the eye.
+    fn raised_normal(&self, map: &BumpMap, at: &SurfaceInteraction) -> Vec3 {
+        let (normal, texture) = (at.shading_normal, &map.height.texture);
+        let gradients = self.gradients(at, uv_set(texture));
+        let step = self.texel_step(texture);
+        let spot = self.spot(texture, at);
+        let height = |shift: Vec2| {
+            let spot = Spot { uv: spot.uv + shift, ..spot };
+            let texel = evaluate(texture, &self.pictures, spot, at.color, Role::Data);
+            map.height.meant(texel[map.height.channel])
+        };
+        let along = |axis: Vec2| (height(step * axis) - height(-step * axis)) / (2.0 * step);
+        let slopes = [along(Vec2::X), along(Vec2::Y)];
+        let steep = |i: usize| match map.amount {
+            BumpAmount::Metres(metres) => metres * slopes[i] * gradients[i],
+            BumpAmount::Relative(part) => part * slopes[i] * gradients[i].normalize_or_zero(),
+        };
+        let slope = steep(0) + steep(1);
+        let slope = slope - slope.dot(normal) * normal;
+        // Seen from behind, hills are valleys.
+        let slope = if at.front { slope } else { -slope };
+        (normal - slope).try_normalize().unwrap_or(normal)
+    }
+
+    /// Half a texel in texture coordinates; of what has no texels, a small part.
+    fn texel_step(&self, texture: &Texture) -> f32 {
+        match &texture.pattern {
+            Pattern::Image { image, transform, .. } => {
+                let across = self.pictures[*image].texels_across() as f32;
+                0.5 / (across * transform.matrix2.determinant().abs().sqrt()).max(1e-6)
+            }
+            Pattern::Checker { size, .. } | Pattern::Noise { size, .. } => {
+                1e-3 * size.min_element()
+            }
+            Pattern::Gradient { from, to, .. } => 1e-3 * (*to - *from).length(),
+            Pattern::Constant => 1.0,
+        }
     }
 
     /// The fraction of ambient light that the material reflects at a point; `None`: all that it scatters.
@@ -154,10 +198,10 @@ impl Maker<'_> {
     /// A number of a texture, 0..1.
     fn number(&self, scalar: &Scalar) -> f32 {
         if scalar.texture.is_constant() {
-            return scalar.texture.factor[scalar.channel];
+            return scalar.meant(scalar.texture.factor[scalar.channel]);
         }
         let texel = self.scene.look_up(&scalar.texture, self.at, Role::Data);
-        texel[scalar.channel].clamp(0.0, 1.0)
+        scalar.meant(texel[scalar.channel].clamp(0.0, 1.0))
     }
 
     /// Widths of the facets along the frame's first axis and across it.
@@ -205,6 +249,15 @@ impl Maker<'_> {
         }
     }
 
+    /// The normal of the coat in the frame; varnish fills what the normal map of the surface carves.
+    fn coat_normal(&self, p: &Principled) -> Vec3 {
+        let normal = match &p.clearcoat_normal {
+            Some(map) => self.scene.bent_normal(map, self.at),
+            None => self.at.shading_normal,
+        };
+        above(self.frame.to_local(normal))
+    }
+
     fn principled(&self, p: &Principled, base_color: Rgb) -> PrincipledPoint {
         let [thin, thick] = p.iridescence_thickness_range;
         PrincipledPoint {
@@ -219,6 +272,7 @@ impl Maker<'_> {
             diffuse_transmission_color: self.color(&p.diffuse_transmission_color),
             clearcoat: self.number(&p.clearcoat),
             clearcoat_roughness: self.number(&p.clearcoat_roughness),
+            clearcoat_normal: self.coat_normal(p),
             sheen_color: self.color(&p.sheen_color),
             sheen_roughness: self.number(&p.sheen_roughness),
             iridescence: self.number(&p.iridescence),

@@ -22,12 +22,13 @@ pub use studio::Studio;
 use crate::bvh::World;
 use crate::camera::Camera;
 use crate::color::Rgb;
+use crate::geometry::Cone;
 use crate::shading::light::area::AreaLights;
 use crate::shading::light::environment::{Environment, Sun};
 use crate::shading::light::{Light, RoundLight};
+use crate::shading::texture::Picture;
 use crate::simd::Level;
-use description::{FilmDescription, Integrator, LuminousEfficacy, Material, Pixels, Shadows};
-use std::sync::Arc;
+use description::{FilmDescription, Integrator, LuminousEfficacy, Material, Medium, Shadows};
 
 /// A scene ready to be traced. Made by [`Scene::build`]; nothing about it can fail from then on.
 #[derive(Debug)]
@@ -36,9 +37,15 @@ pub struct Scene {
     /// Material of each surface.
     pub(crate) material_of: Vec<u32>,
     pub(crate) materials: Vec<Material>,
-    /// Whether any of them is a pane, which shadow rays pass.
+    /// Whether any of them lets shadow rays pass.
     pub(crate) has_panes: bool,
-    pub(crate) images: Vec<Arc<Pixels>>,
+    /// Whether any of them encloses what scatters light.
+    pub(crate) is_cloudy: bool,
+    /// What is everywhere where no solid is.
+    pub(crate) medium: Option<Medium>,
+    pub(crate) pictures: Vec<Picture>,
+    /// What a ray from the camera stands for.
+    pub(crate) cone: Cone,
     /// All lights that come from one direction, in the file's order.
     pub(crate) lights: Vec<Light>,
     /// Spheres that shine in place of points.

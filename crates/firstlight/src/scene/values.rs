@@ -2,6 +2,7 @@
 
 use super::Scene;
 use super::description::{Facets, Interior, Material, Principled, Scalar, Scattering, Texture};
+use crate::color::Rgb;
 use crate::shading::interaction::SurfaceInteraction;
 use crate::shading::texture::Role;
 use glam::Vec4Swizzles;
@@ -117,5 +118,9 @@ impl Reader<'_> {
         let Some(interior) = interior else { return };
         self.values.push(("index", vec![interior.index]));
         self.values.push(("absorption", interior.absorption.to_array().to_vec()));
+        if interior.scattering != Rgb::ZERO {
+            self.values.push(("scattering", interior.scattering.to_array().to_vec()));
+            self.values.push(("g", vec![interior.anisotropy]));
+        }
     }
 }

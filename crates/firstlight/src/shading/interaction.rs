@@ -1,6 +1,7 @@
 //! All that is known about the point a ray hit, and where the next ray starts.
 
 use crate::geometry::Hit;
+use crate::math::tangents;
 use glam::{Vec2, Vec3};
 
 /// A point of a surface, seen from one side.
@@ -22,11 +23,28 @@ pub(crate) struct SurfaceInteraction {
     pub shading_normal: Vec3,
     /// Texture coordinates, first set.
     pub uv: Vec2,
+    /// Width of the cone around the ray that stands for its neighbours, m; 0: it is seen by a ray alone.
+    pub seen_width: f32,
+    /// Unit direction of the ray.
+    pub seen_along: Vec3,
     /// Linear RGBA vertex colour, 1 if there is none.
     pub color: [f32; 4],
 }
 
 impl SurfaceInteraction {
+    /// The axes of the ellipse that the ray's cone cuts out of the surface, from end to end, m. At grazing angles it is
+    /// as long as at a twentieth of a right angle's cosine.
+    pub(crate) fn seen_axes(&self) -> [Vec3; 2] {
+        let (normal, along) = (self.geometric_normal, self.seen_along);
+        let flat = along - along.dot(normal) * normal;
+        let Some(long) = flat.try_normalize() else {
+            let (a, b) = tangents(normal.as_dvec3());
+            return [a, b].map(|axis| self.seen_width * axis.as_vec3());
+        };
+        let cos = along.dot(normal).abs().max(0.05);
+        [self.seen_width / cos * long, self.seen_width * normal.cross(long)]
+    }
+
     /// Where rays that leave on the other side start, t_min = 0: just behind the surface.
     #[inline(always)]
     pub(crate) fn behind(&self) -> Vec3 {

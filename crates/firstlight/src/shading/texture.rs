@@ -1,8 +1,14 @@
-//! Values over a surface: constants, pictures, squares.
+//! Values over a surface: constants, pictures, squares, clouds.
 
+mod picture;
+
+pub(crate) use picture::Picture;
+
+use crate::math::hash;
 use crate::scene::description::{Pattern, Pixels, Sampling, Texels, Texture, Wrap};
 use glam::{Vec2, Vec4};
-use std::sync::{Arc, LazyLock};
+use std::f32::consts::{SQRT_2, TAU};
+use std::sync::LazyLock;
 
 /// What the numbers of a picture are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -13,27 +19,103 @@ pub(crate) enum Role {
     Data,
 }
 
-/// RGBA of `texture` where texture coordinates are `uv` (of the set that the texture uses); colours are linear.
+/// Where a texture is looked at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Spot {
+    /// Texture coordinates.
+    pub uv: Vec2,
+    /// The two axes of what the ray's cone covers there, from end to end, in texture coordinates; zero: a point.
+    pub extent: [Vec2; 2],
+}
+
+impl Spot {
+    /// A point.
+    pub(crate) fn at(uv: Vec2) -> Self {
+        Self { uv, extent: [Vec2::ZERO; 2] }
+    }
+
+    /// The box around it.
+    fn size(&self) -> Vec2 {
+        self.extent[0].abs() + self.extent[1].abs()
+    }
+}
+
+/// RGBA of `texture` at a spot (of the coordinates that the texture uses); colours are linear.
 pub(crate) fn evaluate(
     texture: &Texture,
-    images: &[Arc<Pixels>],
-    uv: Vec2,
+    pictures: &[Picture],
+    spot: Spot,
     color: [f32; 4],
     role: Role,
 ) -> Vec4 {
     let pattern = match &texture.pattern {
         Pattern::Constant => Vec4::ONE,
-        Pattern::Checker { colors, size } => {
-            let cell = (uv / *size).floor();
-            let odd = (cell.x + cell.y).rem_euclid(2.0) >= 1.0;
-            Vec4::from_array(colors[usize::from(odd)])
+        Pattern::Checker { colors, size } => mix(colors, odd_squares(spot, *size)),
+        Pattern::Gradient { colors, from, to } => {
+            let way = *to - *from;
+            mix(colors, ((spot.uv - *from).dot(way) / way.length_squared()).clamp(0.0, 1.0))
         }
+        Pattern::Noise { colors, size, octaves } => mix(colors, noise(spot, *size, *octaves)),
         Pattern::Image { image, transform, wrap, sampling, .. } => {
-            look_up(&images[*image], transform.transform_point2(uv), *wrap, *sampling, role)
+            let placed = Spot {
+                uv: transform.transform_point2(spot.uv),
+                extent: spot.extent.map(|axis| transform.transform_vector2(axis)),
+            };
+            pictures[*image].look_up(placed, *wrap, *sampling, role)
         }
     };
     let vertex = if texture.vertex_colors { Vec4::from_array(color) } else { Vec4::ONE };
     Vec4::from_array(texture.factor) * pattern * vertex
+}
+
+fn mix(colors: &[[f32; 4]; 2], part: f32) -> Vec4 {
+    let [first, second] = colors.map(Vec4::from_array);
+    if part == 0.0 { first } else { first.lerp(second, part) }
+}
+
+/// The part of a spot that every other square of a checker board covers.
+fn odd_squares(spot: Spot, side: Vec2) -> f32 {
+    let (place, size) = (spot.uv / side, spot.size() / side);
+    0.5 - 0.5 * stripes(place.x, size.x) * stripes(place.y, size.y)
+}
+
+/// The mean of stripes of 1 (from 0 to 1) and −1 (from 1 to 2, and so on) over so wide a window.
+fn stripes(middle: f32, width: f32) -> f32 {
+    const POINT: f32 = 1e-4;
+    if width < POINT {
+        return if middle.floor().rem_euclid(2.0) < 1.0 { 1.0 } else { -1.0 };
+    }
+    // Their integral goes up and down between 0 and 1.
+    let integral = |x: f32| 1.0 - (x.rem_euclid(2.0) - 1.0).abs();
+    (integral(middle + 0.5 * width) - integral(middle - 0.5 * width)) / width
+}
+
+/// Clouds, 0..1: noise of cells of `size`, and finer ones of half the size and half the strength. What is finer than the
+/// spot is left out.
+fn noise(spot: Spot, size: Vec2, octaves: u32) -> f32 {
+    let (mut sum, mut most, mut strength) = (0.0, 0.0, 1.0);
+    let (mut place, mut width) = (spot.uv / size, (spot.size() / size).max_element());
+    for octave in 0..octaves {
+        let seen = (2.0 - 2.0 * width).clamp(0.0, 1.0);
+        sum += seen * strength * waves(place, u64::from(octave));
+        most += strength;
+        (place, width, strength) = (2.0 * place, 2.0 * width, 0.5 * strength);
+    }
+    (0.5 + 0.5 * sum / most).clamp(0.0, 1.0)
+}
+
+/// Noise about 0 with cells of side 1, −1..1 (Perlin, *Improving Noise*, 2002; in the plane).
+fn waves(place: Vec2, seed: u64) -> f32 {
+    let (cell, part) = (place.floor(), place - place.floor());
+    let fade = part * part * part * (part * (part * 6.0 - 15.0) + 10.0);
+    let corner = |x: f32, y: f32| {
+        let [i, j] = [cell.x + x, cell.y + y].map(|c| c as i64 as u64);
+        let turn = hash(hash(hash(seed) ^ i) ^ j) >> 40;
+        Vec2::from_angle(TAU * turn as f32 / (1 << 24) as f32).dot(part - Vec2::new(x, y))
+    };
+    let row = |y| corner(0.0, y) + fade.x * (corner(1.0, y) - corner(0.0, y));
+    // At most √½ in the middle of a cell.
+    SQRT_2 * (row(0.0) + fade.y * (row(1.0) - row(0.0)))
 }
 
 /// Which set of texture coordinates a texture uses.
@@ -127,10 +209,41 @@ mod tests {
     fn checkers_alternate_across_the_origin() {
         let pattern = Pattern::Checker { colors: [[1.0; 4], [0.0; 4]], size: Vec2::splat(0.5) };
         let texture = Texture { factor: [1.0; 4], pattern, vertex_colors: false };
-        let at = |u, v| evaluate(&texture, &[], Vec2::new(u, v), [1.0; 4], Role::Color).x;
+        let at = |u, v| evaluate(&texture, &[], Spot::at(Vec2::new(u, v)), [1.0; 4], Role::Color).x;
         assert_eq!(
             [at(0.1, 0.1), at(0.6, 0.1), at(-0.1, 0.1), at(-0.1, -0.1)],
             [1.0, 0.0, 0.0, 1.0]
         );
+    }
+
+    /// The part of a spot that is covered, against its mean by points.
+    #[test]
+    fn squares_are_averaged_over_a_spot() {
+        let side = Vec2::new(0.5, 0.25);
+        for (uv, x, y) in [(0.1, 0.3, 0.2), (-0.4, 2.7, 0.0), (7.3, 0.02, 5.0)] {
+            let uv = Vec2::new(uv, 0.6 * uv);
+            let spot = Spot { uv, extent: [Vec2::new(x, 0.0), Vec2::new(0.0, y)] };
+            let offsets = (0..400).map(|i| (i as f32 + 0.5) / 400.0 - 0.5);
+            let points = offsets.clone().flat_map(|a| offsets.clone().map(move |b| (a, b)));
+            let odd = |(a, b)| odd_squares(Spot::at(uv + Vec2::new(a * x, b * y)), side);
+            let mean = points.map(odd).sum::<f32>() / 160_000.0;
+            assert!((odd_squares(spot, side) - mean).abs() < 0.01, "{spot:?}: {mean}");
+        }
+    }
+
+    #[test]
+    fn clouds_are_around_the_middle_and_fade_with_distance() {
+        let at = |i: u32, width: f32| {
+            let uv = 0.37 * Vec2::new((i % 97) as f32, (i / 97) as f32);
+            noise(Spot { uv, extent: [Vec2::X * width, Vec2::Y * width] }, Vec2::ONE, 5)
+        };
+        let values: Vec<f32> = (0..9409).map(|i| at(i, 0.0)).collect();
+        let mean = values.iter().sum::<f32>() / 9409.0;
+        assert!((mean - 0.5).abs() < 0.02 && values.iter().any(|&v| v > 0.7), "{mean}");
+        assert!(values.iter().all(|v| (0.0..=1.0).contains(v)));
+        assert!((0..100).all(|i| at(i, 3.0) == 0.5));
+        // It is continuous over the borders of cells.
+        let [left, right] = [1.0_f32.next_down(), 1.0].map(|x| waves(Vec2::new(x, 0.3), 1));
+        assert!((left - right).abs() < 1e-5);
     }
 }

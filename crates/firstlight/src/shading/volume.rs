@@ -1,22 +1,10 @@
 //! Homogeneous media: how far light goes in them, and where it goes when it is scattered.
 
-#![cfg_attr(not(test), expect(dead_code, reason = "until the path integrator asks"))]
-
 use crate::color::Rgb;
 use crate::math::tangents;
+use crate::scene::description::Medium;
 use glam::{DVec3, Vec2, Vec3};
 use std::f64::consts::{PI, TAU};
-
-/// A medium that is the same everywhere.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Medium {
-    /// What is absorbed per length, m⁻¹.
-    pub absorption: Rgb,
-    /// What is scattered per length, m⁻¹.
-    pub scattering: Rgb,
-    /// Where it is scattered to.
-    pub phase: HenyeyGreenstein,
-}
 
 /// A flight through a medium: it either meets a particle or reaches the end of its range.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,13 +33,16 @@ impl Medium {
     /// A flight of at most `t_max` (m, may be infinite), picked by two numbers in 0..1: the first picks the channel
     /// whose extinction decides, in proportion to `importance`, the second the distance. All channels are weighted by
     /// the mean density, so that none is left to chance (the one-sample balance heuristic; Veach 1997 §9.2.4).
-    pub(crate) fn fly(&self, t_max: f32, importance: Rgb, u: Vec2) -> Flight {
+    pub(crate) fn fly(&self, t_max: f32, importance: Rgb, u: impl FnOnce() -> Vec2) -> Flight {
         let extinction = self.extinction();
         let shares = importance / importance.element_sum();
         // What only absorbs is passed without chance.
         let distance = match self.scattering {
             Rgb::ZERO => f32::INFINITY,
-            _ => -(-u.y).ln_1p() / extinction[pick(importance, u.x)],
+            _ => {
+                let u = u();
+                -(-u.y).ln_1p() / extinction[pick(importance, u.x)]
+            }
         };
         let scattered = distance < t_max;
         let distance = if scattered { distance } else { t_max };
@@ -128,7 +119,7 @@ mod tests {
     }
 
     fn medium(absorption: Rgb, scattering: Rgb) -> Medium {
-        Medium { absorption, scattering, phase: HenyeyGreenstein { g: 0.0 } }
+        Medium { absorption, scattering, anisotropy: 0.0 }
     }
 
     /// Reference case M16.
@@ -136,7 +127,7 @@ mod tests {
     fn absorption_follows_beer_and_lambert() {
         let slab = medium(Rgb::new(0.7, 0.0, 1e3), Rgb::ZERO);
         assert!((f64::from(slab.transmittance(2.0).x) - 0.246596964).abs() < 1e-7);
-        let flight = slab.fly(2.0, Rgb::ONE, Vec2::new(0.3, 0.9));
+        let flight = slab.fly(2.0, Rgb::ONE, || Vec2::new(0.3, 0.9));
         assert_eq!(
             flight,
             Flight { distance: 2.0, scattered: false, weight: slab.transmittance(2.0) }
@@ -151,7 +142,7 @@ mod tests {
         let fog = medium(Rgb::splat(0.5), Rgb::splat(k - 0.5));
         let (mut counts, mut random) = (vec![0; cells + 1], Random::new(1));
         for _ in 0..400_000 {
-            let flight = fog.fly(t_max as f32, Rgb::ONE, pair(&mut random));
+            let flight = fog.fly(t_max as f32, Rgb::ONE, || pair(&mut random));
             let cell = (f64::from(flight.distance) / t_max * cells as f64) as usize;
             counts[if flight.scattered { cell.min(cells - 1) } else { cells }] += 1;
             let expected = if flight.scattered { 1.0 - 0.5 / k } else { 1.0 };
@@ -173,7 +164,7 @@ mod tests {
             let mut random = Random::new(8);
             let mut sums = vec![DVec3::ZERO; cells + 1];
             for _ in 0..n {
-                let flight = fog.fly(t_max, importance, pair(&mut random));
+                let flight = fog.fly(t_max, importance, || pair(&mut random));
                 let cell = (flight.distance / t_max * cells as f32) as usize;
                 sums[if flight.scattered { cell } else { cells }] += flight.weight.as_dvec3();
             }

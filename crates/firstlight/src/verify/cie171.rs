@@ -2,16 +2,17 @@
 //! The geometry is the report's; the expected values are those of the formulas, which its tables round. Radiance stands
 //! for luminance: nothing here depends on the luminous efficacy.
 
+mod daylight;
+
 use super::closed_forms::{polygon, rectangle};
 use super::scenes::*;
 use super::{Case, Random, Readings, Tolerance};
 use crate::color::Rgb;
-use crate::integrator::{Measurement, Meter};
+use crate::integrator::Meter;
 use crate::scene::Scene;
 use crate::scene::description::*;
 use glam::DVec3;
 use std::f64::consts::PI;
-use std::sync::Arc;
 
 pub(super) const CASES: &[Case] = &[
     Case::exact(
@@ -57,22 +58,114 @@ pub(super) const CASES: &[Case] = &[
     )
     .within(Tolerance::Relative(3e-3))
     .slow(),
-    Case::sampled("Q59-cie-roof-4x4-sky5", "5.9: a black room without a roof under a uniform sky", "Lambert 1760", q59)
-        .within(Tolerance::Relative(5e-3)),
-    Case::sampled(
+    daylight::case(
+        "Q59-cie-roof-1x1-sky1",
+        "5.9: a black room with a hole of 1 m × 1 m in its roof under CIE sky 1",
+        |readings| daylight::roof(readings, 1, &[1.0]),
+    ),
+    daylight::case(
+        "Q59-cie-roof-4x4-sky1",
+        "5.9: a black room without a roof under CIE sky 1",
+        |readings| daylight::roof(readings, 1, &[4.0]),
+    )
+    .slow(),
+    daylight::case(
+        "Q59-cie-roof-4x4-sky5",
+        "5.9: a black room without a roof under a uniform sky",
+        |readings| daylight::roof(readings, 5, &[4.0]),
+    ),
+    daylight::case(
+        "Q59-cie-roof-4x4-sky12",
+        "5.9: a black room without a roof under CIE sky 12",
+        |readings| daylight::roof(readings, 12, &[4.0]),
+    )
+    .slow(),
+    daylight::case(
+        "Q59-cie-roof-sky2",
+        "5.9: a black room with a hole in its roof, and without a roof, under CIE sky 2",
+        |readings| daylight::roof(readings, 2, &[1.0, 4.0]),
+    )
+    .slow(),
+    daylight::case(
+        "Q59-cie-roof-sky4",
+        "5.9: a black room with a hole in its roof, and without a roof, under CIE sky 4",
+        |readings| daylight::roof(readings, 4, &[1.0, 4.0]),
+    )
+    .slow(),
+    daylight::case(
+        "Q59-cie-roof-sky6",
+        "5.9: a black room with a hole in its roof, and without a roof, under CIE sky 6",
+        |readings| daylight::roof(readings, 6, &[1.0, 4.0]),
+    )
+    .slow(),
+    daylight::case(
+        "Q59-cie-roof-sky8",
+        "5.9: a black room with a hole in its roof, and without a roof, under CIE sky 8",
+        |readings| daylight::roof(readings, 8, &[1.0, 4.0]),
+    )
+    .slow(),
+    daylight::case(
+        "Q59-cie-roof-sky10",
+        "5.9: a black room with a hole in its roof, and without a roof, under CIE sky 10",
+        |readings| daylight::roof(readings, 10, &[1.0, 4.0]),
+    )
+    .slow(),
+    daylight::case(
+        "Q59-cie-roof-sky13",
+        "5.9: a black room with a hole in its roof, and without a roof, under CIE sky 13",
+        |readings| daylight::roof(readings, 13, &[1.0, 4.0]),
+    )
+    .slow(),
+    daylight::case(
+        "Q510-roof-glass-1x1",
+        "5.10: the hole of 1 m × 1 m under a uniform sky, with a pane in it",
+        daylight::glazed_roof,
+    )
+    .slow(),
+    daylight::case(
         "Q511-facade-2x1-sky5",
         "5.11: a black room with an opening of 2 m × 1 m to a uniform sky and a ground that reflects 0.3",
-        "Lambert 1760",
-        q511_window,
+        |readings| daylight::facade(readings, 5, &[[2.0, 1.0]]),
+    ),
+    daylight::case("Q511-facade-4x3-sky5", "5.11: the same with a whole wall open", |readings| {
+        daylight::facade(readings, 5, &[[4.0, 3.0]])
+    }),
+    daylight::case(
+        "Q511-facade-sky2",
+        "5.11: an opening of 2 m × 1 m, and a whole wall, to CIE sky 2 and the ground",
+        |readings| daylight::facade(readings, 2, &[[2.0, 1.0], [4.0, 3.0]]),
     )
-    .within(Tolerance::Relative(5e-3)),
-    Case::sampled(
-        "Q511-facade-4x3-sky5",
-        "5.11: the same with a whole wall open",
-        "Lambert 1760",
-        q511_wall,
+    .slow(),
+    daylight::case(
+        "Q511-facade-sky4",
+        "5.11: an opening of 2 m × 1 m, and a whole wall, to CIE sky 4 and the ground",
+        |readings| daylight::facade(readings, 4, &[[2.0, 1.0], [4.0, 3.0]]),
     )
-    .within(Tolerance::Relative(5e-3)),
+    .slow(),
+    daylight::case(
+        "Q511-facade-sky6",
+        "5.11: an opening of 2 m × 1 m, and a whole wall, to CIE sky 6 and the ground",
+        |readings| daylight::facade(readings, 6, &[[2.0, 1.0], [4.0, 3.0]]),
+    )
+    .slow(),
+    daylight::case(
+        "Q511-facade-sky8",
+        "5.11: an opening of 2 m × 1 m, and a whole wall, to CIE sky 8 and the ground",
+        |readings| daylight::facade(readings, 8, &[[2.0, 1.0], [4.0, 3.0]]),
+    )
+    .slow(),
+    daylight::case(
+        "Q511-facade-sky10",
+        "5.11: an opening of 2 m × 1 m, and a whole wall, to CIE sky 10 and the ground",
+        |readings| daylight::facade(readings, 10, &[[2.0, 1.0], [4.0, 3.0]]),
+    )
+    .slow(),
+    daylight::case(
+        "Q511-facade-sky13",
+        "5.11: an opening of 2 m × 1 m, and a whole wall, to CIE sky 13 and the ground",
+        |readings| daylight::facade(readings, 13, &[[2.0, 1.0], [4.0, 3.0]]),
+    )
+    .slow(),
 ];
 
 /// Every half metre from a quarter.
@@ -246,94 +339,4 @@ fn q58(readings: &mut Readings) {
         let expected = rho * f64::from(lumens) / (6.0 * side * side * (1.0 - rho));
         readings.repeated(reflectance, indirect, expected);
     }
-}
-
-/// A sky of radiance 1 over a ground of as much as it reflects of that.
-fn sky_over_ground(reflectance: f32) -> Option<EnvironmentDescription> {
-    let texels = [1.0, reflectance].map(|radiance| [radiance; 4]).to_vec();
-    let (name, texels) = ("sky over ground".into(), Texels::Linear(texels));
-    let pixels = Arc::new(Pixels { name, width: 1, height: 2, texels });
-    under(Sky::Picture { pixels, sampling: Sampling::Nearest }, 1.0)
-}
-
-/// Black walls of the room, all but some of `walls`.
-fn open_room(open: &[usize], reflectance: f32) -> SceneDescription {
-    let mut scene = scene_for_paths(0.0);
-    scene.environment = sky_over_ground(reflectance);
-    let closed = walls(v(4.0, 4.0, 3.0)).into_iter().enumerate();
-    for (_, (corner, u, w)) in closed.filter(|(number, _)| !open.contains(number)) {
-        add(&mut scene, quad(corner, u, w));
-    }
-    scene
-}
-
-/// The irradiance at a place in percent of that of the whole sky of radiance 1, which is π.
-fn percent(
-    readings: &mut Readings,
-    name: impl ToString,
-    scene: &Scene,
-    (place, normal): (DVec3, DVec3),
-    expected: f64,
-) {
-    let part = |samples| {
-        let measured = Meter::new(scene).samples(samples).irradiance(place, normal);
-        let [value, standard_error] =
-            [measured.value, measured.standard_error].map(|value| value * (100.0 / PI) as f32);
-        Measurement { value, standard_error, ..measured }
-    };
-    readings.meter(name, part, 100.0 / PI * expected);
-}
-
-/// Through the roof.
-fn q59(readings: &mut Readings) {
-    let scene = Scene::build(&open_room(&[1], 0.0));
-    let opening = rectangle(v(0.0, 0.0, 3.0), v(4.0, 0.0, 0.0), v(0.0, 4.0, 0.0));
-    let on_floor = ('G'..='N').zip(steps(8).map(|y| v(2.0, y, 0.0)));
-    let all = on_wall().map(|(name, place)| (name, place, DVec3::Y));
-    for (name, place, normal) in all.chain(on_floor.map(|(name, place)| (name, place, DVec3::Z))) {
-        percent(readings, name, &scene, (place, normal), polygon(place, normal, &opening));
-    }
-}
-
-/// Through an opening in the wall y = 0, from x `left` and z `low` on: what is above the point's own height is sky, the
-/// rest is ground.
-fn facade(readings: &mut Readings, [left, low, width, height]: [f64; 4]) {
-    let ground = 0.3;
-    let mut scene = open_room(&[4], ground);
-    for [x, z, w, h] in [
-        [0.0, 0.0, 4.0, low],
-        [0.0, low + height, 4.0, 3.0 - low - height],
-        [0.0, low, left, height],
-        [left + width, low, 4.0 - left - width, height],
-    ] {
-        if w > 0.0 && h > 0.0 {
-            add(&mut scene, quad(v(x, 0.0, z), v(0.0, 0.0, h), v(w, 0.0, 0.0)));
-        }
-    }
-    let scene = Scene::build(&scene);
-    let through = |place: DVec3, normal: DVec3| {
-        let horizon = place.z.clamp(low, low + height);
-        let part = |from: f64, to: f64| {
-            let edges = (v(width, 0.0, 0.0), v(0.0, 0.0, to - from));
-            polygon(place, normal, &rectangle(v(left, 0.0, from), edges.0, edges.1))
-        };
-        part(horizon, low + height) + f64::from(ground) * part(low, horizon)
-    };
-    let wall = ('A'..='F').zip(steps(6).rev().map(|z| v(2.0, 4.0, z)));
-    let floor = ('G'..='N').zip(steps(8).rev().map(|y| v(2.0, y, 0.0)));
-    let ceiling = ('G'..='N').zip(steps(8).rev().map(|y| v(2.0, y, 3.0)));
-    let all = wall.map(|(name, place)| (name.to_string(), place, -DVec3::Y));
-    let all = all.chain(floor.map(|(name, place)| (name.to_string(), place, DVec3::Z)));
-    let all = all.chain(ceiling.map(|(name, place)| (format!("{name}'"), place, -DVec3::Z)));
-    for (name, place, normal) in all {
-        percent(readings, name, &scene, (place, normal), through(place, normal));
-    }
-}
-
-fn q511_window(readings: &mut Readings) {
-    facade(readings, [1.0, 1.0, 2.0, 1.0]);
-}
-
-fn q511_wall(readings: &mut Readings) {
-    facade(readings, [0.0, 0.0, 4.0, 3.0]);
 }

@@ -1,6 +1,6 @@
 //! What is known without any rendering: irradiance from shapes, form factors, skies.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Irradiance at `point`, facing the unit vector `normal`, from a flat polygon of radiance 1, W·m⁻²: ½ Σ Θ_i Γ_i · n over
@@ -87,6 +87,18 @@ pub(super) fn perpendicular_rectangles(l: f64, w: f64, h: f64) -> f64 {
 /// The part of what leaves a small sphere that reaches a coaxial disk of radius `r` at distance `a`: its solid angle.
 pub(super) fn sphere_to_disk(r: f64, a: f64) -> f64 {
     0.5 * (1.0 - 1.0 / (1.0 + (r / a).powi(2)).sqrt())
+}
+
+/// The mean over the unit square of what `value` says of its points: by Gauss's rule of two points each way, in each of
+/// `cells` × `cells` cells.
+pub(super) fn over_square(cells: u32, value: impl Fn(DVec2) -> f64) -> f64 {
+    let half = 0.5 / 3.0_f64.sqrt();
+    let at = |index: u32| {
+        let shift = if index.is_multiple_of(2) { -half } else { half };
+        (f64::from(index / 2) + 0.5 + shift) / f64::from(cells)
+    };
+    let all = (0..2 * cells).flat_map(|i| (0..2 * cells).map(move |j| (i, j)));
+    all.map(|(i, j)| value(DVec2::new(at(i), at(j)))).sum::<f64>() / f64::from(4 * cells * cells)
 }
 
 #[cfg(test)]

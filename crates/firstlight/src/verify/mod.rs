@@ -16,11 +16,16 @@ mod furnace;
 mod geometry;
 mod global_illumination;
 mod image;
+mod material;
+mod microfacet;
 mod readings;
+mod refraction;
 mod sampling;
 pub mod scenes;
 pub mod shapes;
 mod statistics;
+mod volume;
+pub mod white;
 
 pub use geometry::{differing, escaped, reintersections, terminator};
 pub use readings::{Reading, Readings};
@@ -63,8 +68,12 @@ pub const GROUPS: &[Group] = &[
     ("furnace", furnace::CASES),
     ("cavity", cavity::CASES),
     ("global-illumination", global_illumination::CASES),
+    ("volume", volume::CASES),
     ("cie171", cie171::CASES),
     ("geometry", geometry::CASES),
+    ("material", material::CASES),
+    ("microfacet", microfacet::CASES),
+    ("refraction", refraction::CASES),
     ("camera", camera::CASES),
     ("image", image::CASES),
     ("sampling", sampling::CASES),

@@ -42,7 +42,7 @@ const FEWEST_SAMPLES: u32 = 1 << 14;
 /// Samples up to which it gets better than it has to be.
 const CHEAP_SAMPLES: u32 = 1 << 18;
 /// Samples that it does not go beyond.
-const MOST_SAMPLES: u32 = 1 << 24;
+const MOST_SAMPLES: u32 = 1 << 26;
 
 impl Reading {
     /// The difference relative to what is expected; as it is where nothing is expected.
@@ -133,6 +133,32 @@ impl Readings {
         self.meter(at, |samples| Meter::new(scene).samples(samples).radiance(&ray), expected);
     }
 
+    /// Radiance from `target` towards `origin` that is known to be approximate, see
+    /// [`Readings::known_to_tolerance`].
+    pub(super) fn approximation(
+        &mut self,
+        at: impl ToString,
+        scene: &Scene,
+        origin: DVec3,
+        target: DVec3,
+        expected: f64,
+    ) {
+        let ray = Ray::new(origin.as_vec3(), (target - origin).normalize().as_vec3());
+        let measure = |samples| Meter::new(scene).samples(samples).radiance(&ray);
+        let allowed = self.tolerance.of(expected);
+        self.meter_to(at, measure, |_| allowed / 4.0, expected);
+        self.known_to_tolerance();
+    }
+
+    /// Of the last number, what was measured or what is expected is known to the tolerance only: z counts what is
+    /// beyond.
+    pub(super) fn known_to_tolerance(&mut self) {
+        if let Some(reading) = self.readings.last_mut() {
+            let beyond = (reading.difference.abs() - reading.allowed).max(0.0);
+            reading.z *= beyond / reading.difference.abs().max(f64::MIN_POSITIVE);
+        }
+    }
+
     /// What a meter shows in its first channel, well enough for the tolerance; where that is cheap, well enough to find a
     /// bias of half the tolerance in a table of hundreds of readings.
     pub(super) fn meter(
@@ -142,11 +168,23 @@ impl Readings {
         expected: f64,
     ) {
         let allowed = self.tolerance.of(expected);
+        let enough = |samples| if samples < CHEAP_SAMPLES { allowed / 16.0 } else { allowed / 3.0 };
+        self.meter_to(at, measure, enough, expected);
+    }
+
+    /// What a meter shows in its first channel, with a standard error of at most `enough` for so many samples.
+    fn meter_to(
+        &mut self,
+        at: impl ToString,
+        measure: impl Fn(u32) -> Measurement,
+        enough: impl Fn(u32) -> f64,
+        expected: f64,
+    ) {
         let mut samples = FEWEST_SAMPLES;
         let measured = loop {
             let measured = measure(samples);
-            let enough = if samples < CHEAP_SAMPLES { allowed / 16.0 } else { allowed / 3.0 };
-            if f64::from(measured.standard_error.x) <= enough || samples >= MOST_SAMPLES {
+            let known = f64::from(measured.standard_error.x) <= enough(samples);
+            if known || samples >= MOST_SAMPLES {
                 break measured;
             }
             samples *= 4;

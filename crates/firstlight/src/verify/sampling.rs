@@ -73,7 +73,7 @@ fn moment(readings: &mut Readings, at: &str, expected: f64, mut value: impl FnMu
 
 /// A white matte ground that faces up, seen from above.
 fn matte() -> Bsdf<'static> {
-    const WHITE: [Lobe; 1] = [Lobe { kind: Kind::Lambert, weight: Rgb::ONE, share: 1.0 }];
+    const WHITE: [Lobe; 1] = [Lobe::new(Kind::Lambert, Rgb::ONE)];
     Bsdf { frame: Frame::around(Vec3::Z), outgoing: Vec3::Z, lobes: &WHITE }
 }
 

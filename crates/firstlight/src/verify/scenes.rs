@@ -47,6 +47,19 @@ pub fn mirror(mirrored: f32) -> Material {
     Material::mirror("mirror", Rgb::splat(mirrored))
 }
 
+/// Glass that does not bend light: a sheet so thin that it leaves in line with where it entered.
+pub fn pane(index: f32) -> Material {
+    Material { scattering: Scattering::ThinGlass { index }, ..Material::matte("pane", Rgb::ONE) }
+}
+
+/// Clear glass, or anything solid and smooth of that index and absorption per channel, m⁻¹.
+pub fn clear(index: f32, absorption: Rgb) -> Material {
+    let interior = Some(Interior { absorption, ..Interior::clear(index) });
+    let facets = Facets::of(Scalar::constant(0.0));
+    let scattering = Scattering::Dielectric { facets };
+    Material { scattering, interior, ..Material::matte("clear", Rgb::ONE) }
+}
+
 /// Adds a surface of material 0.
 pub fn add(scene: &mut SceneDescription, shape: Shape) {
     add_with(scene, shape, 0);

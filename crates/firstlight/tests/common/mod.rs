@@ -4,9 +4,46 @@
 pub(crate) use firstlight::verify::scenes::*;
 pub(crate) use firstlight::verify::{Random, differing, escaped, reintersections, terminator};
 
+use firstlight::io::scene_file;
+use firstlight::{FileAccess, SceneDescription};
+use std::path::Path;
+
 #[track_caller]
 pub(crate) fn close(value: impl Into<f64>, expected: f64, relative: f64) {
     let value = value.into();
     let error = if expected == 0.0 { value.abs() } else { (value / expected - 1.0).abs() };
     assert!(error <= relative, "{value} is not {expected} within {relative}: off by {error:e}");
+}
+
+/// The scene of a text in a file of that name, with some values set.
+pub(crate) fn read(path: &Path, text: &str, set: &[&str]) -> SceneDescription {
+    let set: Vec<_> = set.iter().map(|set| set.parse().expect("a value is set")).collect();
+    let access = FileAccess::beside(path, &[]);
+    let scene = scene_file::read(text, "scene.toml", &set, &access, &mut Vec::new());
+    let scene = scene.unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    scene.check().expect("what was read is sound");
+    scene
+}
+
+/// Small pictures of all scenes of the project, with their names.
+pub(crate) fn small_scenes() -> Vec<(String, SceneDescription)> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+    let (mut folders, mut scenes) = (vec![root], Vec::new());
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).expect("the folder can be read") {
+            let path = entry.expect("the folder can be read").path();
+            match path.extension() {
+                None => folders.push(path),
+                Some(extension) if extension == "toml" => scenes.push(small(&path)),
+                Some(_) => {}
+            }
+        }
+    }
+    scenes
+}
+
+fn small(path: &Path) -> (String, SceneDescription) {
+    let text = std::fs::read_to_string(path).expect("the scene can be read");
+    let scene = read(path, &text, &["film.resolution=[24, 16]", "film.samples=6"]);
+    (path.display().to_string(), scene)
 }

@@ -179,7 +179,8 @@ impl<'a> Clarity<'a> {
         }
         let apart = b.position - a.position;
         let off = apart.dot(a.normal).abs().min(apart.dot(b.normal).abs());
-        let size = self.path.scene.camera().footprint(a.distance.min(b.distance));
+        let pixel = self.path.scene.camera().cone(1);
+        let size = pixel.after(a.distance.min(b.distance)).width;
         a.normal.dot(b.normal) < BEND || off > BEHIND * size
     }
 
@@ -190,11 +191,12 @@ impl<'a> Clarity<'a> {
         for (((ray, walk), hit), ink) in rays.iter().zip(&*walks).zip(&*hits).zip(inks) {
             recorder.follow(&walk.along(0, ray, hit));
             let paper = 1.0 - ink;
-            add(samples, recorder, walk.gain(0, Source::Look, Rgb::splat(ink * INK)));
+            add(scene, samples, recorder, walk.gain(0, Source::Look, Rgb::splat(ink * INK)));
             if !hit.is_some() {
                 match transparent {
                     true => samples[walk.sample as usize].alpha = f32::from(*ink > 0.5),
                     false => add(
+                        scene,
                         samples,
                         recorder,
                         walk.gain(0, Source::Background, paper * scene.background),
@@ -211,14 +213,14 @@ impl<'a> Clarity<'a> {
                 brightest => emitted / brightest.max(1.0),
             };
             if is_cut {
-                add(samples, recorder, walk.reflected(0, Source::Look, paper * CUT * color));
+                add(scene, samples, recorder, walk.reflected(0, Source::Look, paper * CUT * color));
                 continue;
             }
             let facing = at.shading_normal.dot(-ray.direction).clamp(0.0, 1.0);
             let shown = paper * (EDGE_ON + (1.0 - EDGE_ON) * facing) * color;
-            add(samples, recorder, walk.reflected(0, Source::Look, ALWAYS * shown));
+            add(scene, samples, recorder, walk.reflected(0, Source::Look, ALWAYS * shown));
             let mut vertex = Vertex::new(*walk, ray, &at, lobes.len() as u32);
-            lobes.push(Lobe { kind: Kind::Lambert, weight: shown, share: 1.0 });
+            lobes.push(Lobe::new(Kind::Lambert, shown));
             vertex.lobes.end += 1;
             vertices.push(vertex);
         }

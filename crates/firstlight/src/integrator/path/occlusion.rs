@@ -58,7 +58,7 @@ impl<'a> Occlusion<'a> {
     fn arrive(&self, scratch: &mut Scratch, recorder: &mut impl Recorder) {
         let Path { scene, transparent, .. } = self.path;
         let Scratch { rays, walks, hits, vertices, lobes, samples, on_surface, .. } = scratch;
-        lobes.push(Lobe { kind: Kind::Lambert, weight: Rgb::ONE, share: 1.0 });
+        lobes.push(Lobe::new(Kind::Lambert, Rgb::ONE));
         for ((ray, walk), hit) in rays.iter().zip(&*walks).zip(&*hits) {
             recorder.follow(&walk.along(0, ray, hit));
             if hit.is_some() {
@@ -69,7 +69,7 @@ impl<'a> Occlusion<'a> {
             } else if transparent {
                 samples[walk.sample as usize].alpha = 0.0;
             } else {
-                add(samples, recorder, walk.gain(0, Source::Background, scene.background));
+                add(scene, samples, recorder, walk.gain(0, Source::Background, scene.background));
             }
         }
     }

@@ -265,7 +265,7 @@ extension! { Clearcoat {
     clearcoat_texture: TextureInfo,
     clearcoat_roughness_factor: Real,
     clearcoat_roughness_texture: TextureInfo,
-    clearcoat_normal_texture: IgnoredAny,
+    clearcoat_normal_texture: TextureInfo,
 } }
 extension! { DiffuseTransmission {
     diffuse_transmission_factor: Real,
@@ -318,7 +318,7 @@ pub(super) struct SpecularGlossiness {
     pub(super) diffuse_texture: Option<TextureInfo>,
     pub(super) specular_factor: Option<[Real; 3]>,
     pub(super) glossiness_factor: Option<Real>,
-    pub(super) specular_glossiness_texture: Option<IgnoredAny>,
+    pub(super) specular_glossiness_texture: Option<TextureInfo>,
 }
 
 #[derive(Debug, Deserialize)]

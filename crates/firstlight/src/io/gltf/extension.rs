@@ -15,12 +15,12 @@ const KNOWN: [&str; 28] = [
     "KHR_lights_punctual",
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
+    "KHR_texture_basisu",
     "KHR_texture_transform",
     "KHR_xmp",
     "KHR_xmp_json_ld",
     // Without these a texture's other picture is shown; with them alone, a checkerboard and a warning.
     "EXT_texture_avif",
-    "KHR_texture_basisu",
     "MSFT_texture_dds",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
@@ -39,7 +39,7 @@ const KNOWN: [&str; 28] = [
 ];
 
 /// Textures in formats that cannot be decoded: a file may offer them, but not require them.
-const UNREADABLE: [&str; 3] = ["EXT_texture_avif", "KHR_texture_basisu", "MSFT_texture_dds"];
+const UNREADABLE: [&str; 2] = ["EXT_texture_avif", "MSFT_texture_dds"];
 
 /// Every KHR_materials extension can be shown matte; the materials say so where they are read.
 fn is_known(name: &str) -> bool {

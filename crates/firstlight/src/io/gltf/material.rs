@@ -125,14 +125,17 @@ impl Reader<'_, '_, '_> {
         };
         let scattering = match (&extensions.specular_glossiness, unlit) {
             (_, true) => matte.scattering.clone(),
-            (Some(old), _) => self.specular_glossiness(old),
+            (Some(old), _) => self.specular_glossiness(old)?,
             (None, _) => self.scattering(material, extensions)?,
         };
         Ok(Material {
             reflectance,
             emission,
             scattering,
-            normal: if unlit { None } else { self.normal(material)? },
+            normal: match unlit {
+                true => None,
+                false => self.normal(material.normal_texture.as_deref(), "normalTexture")?,
+            },
             interior: if unlit { None } else { interior(extensions) },
             alpha: self.alpha(material)?,
             double_sided: material.double_sided,
@@ -144,9 +147,9 @@ impl Reader<'_, '_, '_> {
         material.name.clone().unwrap_or_else(|| format!("material {index}"))
     }
 
-    fn normal(&mut self, material: &document::Material) -> Result<Option<NormalMap>> {
-        let Some(info) = &material.normal_texture else { return Ok(None) };
-        let texture = self.texture([1.0; 4], Some(info), "normalTexture")?;
+    fn normal(&mut self, info: Option<&TextureInfo>, field: &str) -> Result<Option<NormalMap>> {
+        let Some(info) = info else { return Ok(None) };
+        let texture = self.texture([1.0; 4], Some(info), field)?;
         let scale = info.scale.map_or(1.0, |scale| scale.0);
         // A stand-in for a missing picture holds colours, not normals.
         let found = matches!(texture.pattern, Pattern::Image { .. });
@@ -262,9 +265,8 @@ impl Reader<'_, '_, '_> {
                 (e.clearcoat_roughness_factor, e.clearcoat_roughness_texture.as_ref());
             p.clearcoat_roughness =
                 self.scalar(factor, 0.0, info, GREEN, "clearcoatRoughnessTexture")?;
-            if e.clearcoat_normal_texture.is_some() {
-                self.notes.add(self.part, "has a clearcoat normal texture, which is not shown");
-            }
+            let info = e.clearcoat_normal_texture.as_ref();
+            p.clearcoat_normal = self.normal(info, "clearcoatNormalTexture")?;
         }
         if let Some(e) = &extensions.sheen {
             let (factor, info) = (e.sheen_color_factor, e.sheen_color_texture.as_ref());
@@ -276,21 +278,21 @@ impl Reader<'_, '_, '_> {
     }
 
     /// KHR_materials_pbrSpecularGlossiness, which is no longer recommended: a dielectric of its gloss.
-    fn specular_glossiness(&mut self, old: &SpecularGlossiness) -> Scattering {
-        if old.specular_glossiness_texture.is_some() {
-            self.notes.add(self.part, "has a specular-glossiness texture, which is not shown");
-        }
-        let glossiness =
-            old.glossiness_factor.map_or(1.0, |glossiness| glossiness.0.clamp(0.0, 1.0));
-        let specular = old.specular_factor.map_or([1.0; 3], plain).map(|f| f.clamp(0.0, 1.0));
-        Scattering::Principled(Box::new(Principled {
+    fn specular_glossiness(&mut self, old: &SpecularGlossiness) -> Result<Scattering> {
+        let (info, field) = (
+            old.specular_glossiness_texture.as_ref(),
+            "extensions.KHR_materials_pbrSpecularGlossiness.specularGlossinessTexture",
+        );
+        let glossiness = self.scalar(old.glossiness_factor, 1.0, info, ALPHA, field)?;
+        let specular = self.color(old.specular_factor, [1.0; 3], info, field)?;
+        Ok(Scattering::Principled(Box::new(Principled {
             metallic: Scalar::constant(0.0),
-            facets: Facets::of(Scalar::constant(1.0 - glossiness)),
+            facets: Facets::of(Scalar { complement: true, ..glossiness }),
             // A surface that reflects all, of which the colour leaves what it says.
             ior: 0.0,
-            specular_color: Texture::constant(Rgb::from_array(specular)),
+            specular_color: specular,
             ..Principled::default()
-        }))
+        })))
     }
 
     /// One channel of a texture of numbers; a factor outside 0..1 is clamped.
@@ -304,7 +306,8 @@ impl Reader<'_, '_, '_> {
     ) -> Result<Scalar> {
         let factor = factor.map_or(default, |factor| factor.0.clamp(0.0, 1.0));
         let info = info.filter(|_| factor != 0.0);
-        Ok(Scalar { texture: self.texture([factor; 4], info, field)?, channel })
+        let texture = self.texture([factor; 4], info, field)?;
+        Ok(Scalar { texture, channel, complement: false })
     }
 
     fn color(
@@ -457,10 +460,9 @@ fn interior(extensions: &MaterialExtensions) -> Option<Interior> {
     let distance = volume.attenuation_distance.map_or(f32::INFINITY, |distance| distance.0);
     let dispersion = extensions.dispersion.as_ref().and_then(|e| e.dispersion);
     Some(Interior {
-        index: ior.max(1.0),
         // The extension's number is 20 over the Abbe number.
         dispersion: dispersion.map_or(0.0, |dispersion| dispersion.0.max(0.0) / 20.0),
         absorption: Interior::absorption(color, distance.max(f32::MIN_POSITIVE)),
-        priority: 0,
+        ..Interior::clear(ior.max(1.0))
     })
 }

@@ -38,11 +38,12 @@ impl Pictures {
     ) -> Result<Option<usize>> {
         let extensions = texture.extensions.as_ref();
         let webp = extensions.and_then(|e| e.webp.as_ref()).map(|webp| webp.source);
-        let Some(index) = webp.or(texture.source) else {
-            let other = extensions
-                .is_some_and(|e| e.basisu.is_some() || e.avif.is_some() || e.dds.is_some());
+        let basisu = extensions.and_then(|e| e.basisu.as_ref()).map(|basisu| basisu.source);
+        // Where there is another, it was compressed less.
+        let Some(index) = webp.or(texture.source).or(basisu) else {
+            let other = extensions.is_some_and(|e| e.avif.is_some() || e.dds.is_some());
             let cause = if other {
-                "this picture is only there in a format that cannot be read (KTX2, AVIF or DDS); \
+                "this picture is only there in a format that cannot be read (AVIF or DDS); \
                  a checkerboard is shown"
             } else {
                 "this texture has no picture; a checkerboard is shown"

@@ -8,8 +8,8 @@ use crate::io::text::{Tally, counted, did_you_mean, quoted};
 use crate::io::triangles::default_material;
 use crate::io::{FileAccess, Warnings};
 use crate::scene::description::{
-    Alpha, Facets, Interior, Material, NormalMap, Pattern, Principled, Scalar, Scattering,
-    SceneDescription, Texture,
+    Alpha, BumpAmount, BumpMap, Facets, Interior, Material, NormalMap, Pattern, Principled, Scalar,
+    Scattering, SceneDescription, Texture,
 };
 use indexmap::IndexMap;
 use std::f32::consts::TAU;
@@ -118,9 +118,11 @@ impl Maker<'_> {
         let emission = emission.max(Rgb::ZERO);
         let map = mtl.emission_map.as_ref().filter(|_| emission != Rgb::ZERO);
         self.tallies.glowing.add_if(emission != Rgb::ZERO, || mtl.place.clone());
+        let (heights, bent) = self.relief(mtl);
         let matte = Material {
             reflectance,
-            normal: mtl.normal_map.as_ref().and_then(|map| self.normal(map)),
+            normal: bent.and_then(|map| self.normal(map)),
+            bump: heights.and_then(|map| self.bump(map)),
             emission: self.texture(emission, 1.0, map),
             alpha: if opacity < 1.0 || cut_out { Alpha::Blend } else { Alpha::Opaque },
             ..Material::matte(name, Rgb::ZERO)
@@ -131,11 +133,29 @@ impl Maker<'_> {
         }
     }
 
+    /// Its maps of heights and of normals. Many programs write normals where heights belong; heights have no colour.
+    fn relief<'m>(&mut self, mtl: &'m Mtl) -> (Option<&'m Map>, Option<&'m Map>) {
+        let (heights, normals) = (mtl.bump_map.as_ref(), mtl.normal_map.as_ref());
+        let colored = heights.is_some_and(|map| {
+            let texture = self.texture(Rgb::ONE, 1.0, Some(map));
+            self.pictures.is_colored(&texture)
+        });
+        if colored { (None, normals.or(heights)) } else { (heights, normals) }
+    }
+
+    /// Heights; MTL does not say in which unit, so a height of 1 is a hundredth of the picture's width.
+    fn bump(&mut self, map: &Map) -> Option<BumpMap> {
+        let texture = self.texture(Rgb::ONE, 1.0, Some(map));
+        let found = matches!(texture.pattern, Pattern::Image { .. });
+        let height = Scalar { texture, channel: 0, complement: false };
+        found.then_some(BumpMap { height, amount: BumpAmount::Relative(0.01 * map.strength) })
+    }
+
     fn normal(&mut self, map: &Map) -> Option<NormalMap> {
         let texture = self.texture(Rgb::ONE, 1.0, Some(map));
         // A stand-in for a missing picture holds colours, not normals.
         let found = matches!(texture.pattern, Pattern::Image { .. });
-        found.then_some(NormalMap { texture, scale: 1.0 })
+        found.then_some(NormalMap { texture, scale: map.strength })
     }
 
     /// A solid that refracts; its colour is Tf, and d says nothing that Tf does not say better.
@@ -151,12 +171,7 @@ impl Maker<'_> {
         Material {
             reflectance: Texture::constant(tint),
             scattering: Scattering::Principled(Box::new(principled)),
-            interior: Some(Interior {
-                index: ior,
-                dispersion: 0.0,
-                absorption: Rgb::ZERO,
-                priority: 0,
-            }),
+            interior: Some(Interior::clear(ior)),
             alpha: Alpha::Opaque,
             ..matte
         }
@@ -196,7 +211,7 @@ impl Maker<'_> {
         let default = if map.is_some() { 1.0 } else { default };
         let value = value.map_or(default, |value| value.clamp(0.0, 1.0));
         let texture = self.texture(Rgb::splat(value), value, map.filter(|_| value != 0.0));
-        Scalar { texture, channel: 0 }
+        Scalar { texture, channel: 0, complement: false }
     }
 
     fn texture(&mut self, color: Rgb, alpha: f32, map: Option<&Map>) -> Texture {

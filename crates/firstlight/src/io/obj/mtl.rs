@@ -69,6 +69,8 @@ pub(super) struct Mtl {
     pub(super) anisotropy: Option<f32>,
     /// norm
     pub(super) normal_map: Option<Map>,
+    /// map_bump
+    pub(super) bump_map: Option<Map>,
     /// anisor, turns
     pub(super) anisotropy_rotation: Option<f32>,
 }
@@ -80,6 +82,8 @@ pub(super) struct Map {
     pub(super) file: String,
     pub(super) transform: UvTransform,
     pub(super) wrap: Wrap,
+    /// -bm: how high the picture is, or how much its normals bend.
+    pub(super) strength: f32,
     pub(super) place: Place,
 }
 
@@ -194,7 +198,8 @@ impl Mtl {
             "anisor" => self.anisotropy_rotation = Some(number(words)?),
             "ka" | "map_ka" | "map_ns" | "map_ps" | "refl" | "sharpness" => {}
             "norm" | "map_kn" => self.normal_map = Some(Map::read(line, name)?),
-            "map_bump" | "bump" | "disp" | "decal" => {}
+            "map_bump" | "bump" => self.bump_map = Some(Map::read(line, name)?),
+            "disp" | "decal" => {}
             _ => return Ok(false),
         }
         Ok(true)
@@ -228,7 +233,7 @@ impl Map {
     fn read(line: &Line<'_>, name: &str) -> Parsed<Self> {
         let text = line.after_keyword();
         let (mut scale, mut offset, mut wrap) = (Vec2::ONE, Vec2::ZERO, Wrap::Repeat);
-        let mut file = text.as_str();
+        let (mut file, mut strength) = (text.as_str(), 1.0);
         while file.starts_with('-') {
             let (option, after) = first_word(file);
             let (value, after_one) = first_word(after);
@@ -241,8 +246,10 @@ impl Map {
                 | "-boost" | "-type" => after_one,
                 _ => break,
             };
-            if (option, value) == ("-clamp", "on") {
-                wrap = Wrap::Clamp;
+            match option {
+                "-clamp" if value == "on" => wrap = Wrap::Clamp,
+                "-bm" => strength = number(std::iter::once(value.as_bytes()))?,
+                _ => {}
             }
         }
         if file.is_empty() {
@@ -250,7 +257,7 @@ impl Map {
         }
         let file = seen_from_model(name, &file.replace('\\', "/"));
         let transform = UvTransform::from_scale_angle_translation(scale, 0.0, offset);
-        Ok(Self { file, transform, wrap, place: line.place(name) })
+        Ok(Self { file, transform, wrap, strength, place: line.place(name) })
     }
 }
 

@@ -1,6 +1,6 @@
 use super::*;
 use crate::color::Rgb;
-use crate::scene::description::{Alpha, Material, Pattern, Scattering, Wrap};
+use crate::scene::description::{Alpha, BumpAmount, Material, Pattern, Scattering, Wrap};
 use glam::Vec2;
 use std::path::Path;
 
@@ -243,4 +243,23 @@ fn gloss_metal_and_glass_are_taken_over() {
     assert_eq!(materials[3].alpha, Alpha::Opaque);
     assert!(materials[4].is_matte());
     assert!(warnings.is_empty(), "{warnings:?}");
+}
+
+/// A grey picture holds heights; one with colours can only hold normals, whatever its key says.
+#[test]
+fn bump_maps_are_heights_unless_they_have_colours() {
+    let mtl = "newmtl a\nbump -bm 2 leaf.png\nnewmtl b\nmap_Bump -bm 0.5 grey.png\nnewmtl c\nbump gone.png\n";
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("m.mtl"), mtl).unwrap();
+    write_picture(&folder.path().join("leaf.png"), [128, 128, 255, 255]);
+    write_picture(&folder.path().join("grey.png"), [90, 90, 90, 255]);
+    let faces = "usemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\nusemtl c\nf 1 2 3\n";
+    let text = format!("mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n{faces}");
+    let (scene, warnings) = load_in(folder.path(), &text);
+    let [a, b, c] = &scene.unwrap().materials[..] else { panic!("there are three") };
+    assert_eq!((a.bump.is_none(), a.normal.as_ref().map(|map| map.scale)), (true, Some(2.0)));
+    let amount = b.bump.as_ref().map(|map| map.amount);
+    assert_eq!((b.normal.is_none(), amount), (true, Some(BumpAmount::Relative(0.005))));
+    assert!(c.bump.is_none() && c.normal.is_none());
+    assert!(warnings.iter().any(|warning| warning.to_string().contains("gone.png")));
 }

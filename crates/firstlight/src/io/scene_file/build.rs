@@ -7,7 +7,7 @@ use super::luminaire::Luminaires;
 use super::material::MaterialKeys;
 use super::pictures::Pictures;
 use super::surface::{NewShape, SurfaceKeys};
-use super::{InstanceKeys, ModelKeys, SceneKeys, look, transform};
+use super::{InstanceKeys, ModelKeys, SceneKeys, look, medium, transform};
 use crate::color::Rgb;
 use crate::diagnostic::{Diagnostic, Result};
 use crate::io::gltf::LightUnits;
@@ -60,6 +60,7 @@ pub(super) fn build(
         integrator: keys.integrator.0,
         shadows: keys.shadows,
         background: keys.background.0,
+        medium: keys.medium.map(|keys| keys.describe(document)).transpose()?,
         luminous_efficacy: LuminousEfficacy(efficacy),
         ..SceneDescription::default()
     };
@@ -99,6 +100,7 @@ pub(super) fn build(
     look::apply(keys.look, keys.section, document, &mut builder.scene)?;
     warnings.extend(builder.scene.leave_out_far_triangles(document.name));
     warnings.extend(unheeded_shadows(&builder.scene, document.name));
+    warnings.extend(medium::doubts(&builder.scene, document.name));
     Ok(builder.scene)
 }
 

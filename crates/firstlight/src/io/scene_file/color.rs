@@ -112,15 +112,17 @@ impl From<Fraction> for [f32; 4] {
     }
 }
 
-/// A colour, a picture or a checker board.
+/// A colour, a picture or a pattern.
 #[derive(Debug)]
 pub(super) enum TextureKeys<C> {
     Constant(C),
     Image(ImageKeys),
     Checker(CheckerKeys<C>),
+    Gradient(GradientKeys<C>),
+    Noise(NoiseKeys<C>),
 }
 
-/// A texture that is not one colour: exactly one of the two.
+/// A texture that is not one colour: exactly one of these.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct PatternKeys<C> {
@@ -128,6 +130,10 @@ struct PatternKeys<C> {
     image: Option<ImageKeys>,
     /// Squares of two colours.
     checker: Option<CheckerKeys<C>>,
+    /// From one colour to another.
+    gradient: Option<GradientKeys<C>>,
+    /// Clouds between two colours.
+    noise: Option<NoiseKeys<C>>,
 }
 
 /// A picture over a surface.
@@ -174,6 +180,30 @@ pub(super) struct CheckerKeys<C> {
     pub(super) colors: Two<C>,
     /// Side of a square in texture coordinates (metres on a plane), along both axes or [u, v]. Default 1.
     pub(super) size: Option<OneOrTwo<Size>>,
+}
+
+/// From one colour to another along a line, and the same beyond its ends.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct GradientKeys<C> {
+    /// The two colours.
+    pub(super) colors: Two<C>,
+    /// Texture coordinates [u, v] of the first. Default [0, 0].
+    pub(super) from: Option<Pair>,
+    /// Texture coordinates [u, v] of the second, elsewhere. Default [0, 1].
+    pub(super) to: Option<At<Pair>>,
+}
+
+/// Clouds between two colours.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct NoiseKeys<C> {
+    /// The two colours.
+    pub(super) colors: Two<C>,
+    /// Size of the largest clouds in texture coordinates (metres on a plane), along both axes or [u, v]. Default 1.
+    pub(super) size: Option<OneOrTwo<Size>>,
+    /// How many sizes of clouds there are, 1 to 16, each half of the one before. Default 4.
+    pub(super) octaves: Option<At<u32>>,
 }
 
 /// Exactly two values.
@@ -282,10 +312,12 @@ impl<'de, C: Written + Deserialize<'de>> Visitor<'de> for TextureVisitor<C> {
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
         let keys = PatternKeys::<C>::deserialize(MapAccessDeserializer::new(map))?;
-        match (keys.image, keys.checker) {
-            (Some(image), None) => Ok(TextureKeys::Image(image)),
-            (None, Some(checker)) => Ok(TextureKeys::Checker(checker)),
-            _ => Err(A::Error::custom("needs exactly one of image and checker")),
+        match (keys.image, keys.checker, keys.gradient, keys.noise) {
+            (Some(image), None, None, None) => Ok(TextureKeys::Image(image)),
+            (None, Some(checker), None, None) => Ok(TextureKeys::Checker(checker)),
+            (None, None, Some(gradient), None) => Ok(TextureKeys::Gradient(gradient)),
+            (None, None, None, Some(noise)) => Ok(TextureKeys::Noise(noise)),
+            _ => Err(A::Error::custom("needs exactly one of image, checker, gradient and noise")),
         }
     }
 }

@@ -27,12 +27,16 @@ pub(super) struct FilmKeys {
     samples: Whole<MOST_SAMPLES>,
     /// The reconstruction filter, by name or with settings. Default "gaussian".
     filter: FilterKeys,
-    /// Stops: display = radiance × 2^exposure; 0 makes radiance 1 white. Or "auto". Default 0.
+    /// Stops: display = radiance × 2^exposure; 0 makes radiance 1 white. Or "auto", or a camera's settings such as
+    /// "1/125 f/8 ISO 100". Default 0.
     exposure: ExposureKeys,
     /// How bright light is brought into what screens show. Default "srgb": as it is, cut off at white.
     view: ViewKeys,
     /// Whether the background becomes transparent. Default false.
     transparent: bool,
+    /// The most radiance that light scattered more than once may bring along one path, W·sr⁻¹·m⁻²: darker, with less noise.
+    /// What it removes is reported. Default none.
+    clamp: Option<Bound>,
     /// Seed of every random number, 0 to 2^63 - 1. Default 0.
     seed: u64,
 }
@@ -47,6 +51,7 @@ impl Default for FilmKeys {
             exposure: ExposureKeys(film.exposure),
             view: ViewKeys(film.view),
             transparent: film.transparent,
+            clamp: film.clamp.map(Bound),
             seed: film.seed,
         }
     }
@@ -63,6 +68,7 @@ impl FilmKeys {
             exposure: self.exposure.0,
             view: self.view.0,
             transparent: self.transparent,
+            clamp: self.clamp.map(|Bound(most)| most),
             seed: self.seed,
         }
     }
@@ -116,7 +122,8 @@ schema!(Resolution: {
 struct ExposureKeys(Exposure);
 
 impl Written for ExposureKeys {
-    const EXPECTED: &'static str = "a number of stops or \"auto\"";
+    const EXPECTED: &'static str =
+        "a number of stops, \"auto\" or a camera's settings such as \"1/125 f/8 ISO 100\"";
     fn from_number(stops: f64) -> Checked<Self> {
         if stops.abs() > MOST_STOPS {
             return Err(format!("must be between -{MOST_STOPS} and {MOST_STOPS}, not {stops}"));
@@ -126,7 +133,10 @@ impl Written for ExposureKeys {
     fn from_text(text: &str) -> Checked<Self> {
         match text {
             "auto" => Ok(Self(Exposure::Auto)),
-            _ => Err(format!("needs {}, not {}", Self::EXPECTED, quoted(text))),
+            _ => match text.parse() {
+                Ok(settings) => Ok(Self(Exposure::Camera(settings))),
+                Err(_) => Err(format!("needs {}, not {}", Self::EXPECTED, quoted(text))),
+            },
         }
     }
 }
@@ -148,7 +158,7 @@ impl Written for ViewKeys {
 
 written! {
     ViewKeys: { "enum": View::NAMES.iter().map(|(name, _)| *name).collect::<Vec<_>>() }
-    ExposureKeys: { "anyOf": [{ "type": "number", "minimum": -100, "maximum": 100 }, { "const": "auto" }] }
+    ExposureKeys: { "anyOf": [{ "type": "number", "minimum": -100, "maximum": 100 }, { "const": "auto" }, { "type": "string", "examples": ["1/125 f/8 ISO 100"] }] }
 }
 
 /// A filter by name, or a table with exactly one filter and its settings.
@@ -230,7 +240,25 @@ impl Written for Fraction {
     }
 }
 
+/// A radiance greater than 0.
+#[derive(Debug, Clone, Copy)]
+struct Bound(f64);
+
+impl Written for Bound {
+    const EXPECTED: &'static str = "a radiance greater than 0";
+    fn from_number(number: f64) -> Checked<Self> {
+        if number > 0.0 {
+            return Ok(Self(number));
+        }
+        Err(format!("must be greater than 0, not {number}"))
+    }
+    fn from_text(text: &str) -> Checked<Self> {
+        Number::from_text(text).and_then(|Number(number)| Self::from_number(number))
+    }
+}
+
 written! {
+    Bound: { "type": "number", "exclusiveMinimum": 0 }
     Pixels: { "type": "number", "exclusiveMinimum": 0.01, "maximum": LARGEST_RADIUS }
     Fraction: { "type": "number", "minimum": 0, "maximum": 1 }
 }

@@ -3,15 +3,16 @@
 use super::color::{Color, Reflectance, TextureKeys};
 use super::document::At;
 use super::film::Fraction;
+use super::medium::MediumKeys;
 use super::pictures::Pictures;
 use super::substance::{Abbe, Index, Metal};
 use crate::color::Rgb;
 use crate::diagnostic::Result;
 use crate::scene::description::{
-    Alpha, ComplexIndex, Facets, Interior, Material, NormalMap, Principled, Scalar, Scattering,
-    Texture,
+    Alpha, ComplexIndex, Facets, Interior, Material, Medium, NormalMap, Principled, Scalar,
+    Scattering, Texture,
 };
-use crate::units::written::{Angle, Number, Size};
+use crate::units::written::{Angle, Length, Number, Size};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -34,6 +35,8 @@ pub(super) enum MaterialKeys {
     Principled(Box<PrincipledKeys>),
     /// Two other materials at once.
     Mix(Box<MixKeys>),
+    /// Fog, smoke: a closed surface that is filled with it and is not there itself.
+    Medium(Box<MediumKeys>),
 }
 
 /// A struct with the keys that all materials have.
@@ -57,6 +60,10 @@ macro_rules! material_keys {
             normal_map: Option<TextureKeys<Reflectance>>,
             /// How much they bend. Default 1.
             normal_scale: Option<Number>,
+            /// Heights, 0 to 1, that raise the surface for the eye: a picture or a pattern.
+            bump: Option<TextureKeys<Fraction>>,
+            /// What a height of 1 is; below 0 hills are valleys. Default "1 mm".
+            bump_height: Option<Length>,
         }
 
         impl $name {
@@ -83,6 +90,7 @@ macro_rules! material_keys {
                     reflectance,
                     scattering,
                     normal: normal_map.transpose()?.map(|texture| NormalMap { texture, scale }),
+                    bump: pictures.bump(self.bump, self.bump_height)?,
                     emission: pictures.texture(self.emission, Rgb::ZERO)?,
                     alpha,
                     double_sided: self.double_sided.unwrap_or(true),
@@ -152,6 +160,8 @@ DielectricKeys {
     attenuation_color: Option<Color>,
     /// How far light goes until it has `attenuation_color`. Default 1 m.
     attenuation_distance: Option<Size>,
+    /// What else is inside and scatters light, such as fog in a bulb, milk in water. Default: nothing.
+    medium: Option<MediumKeys>,
     /// Where solids overlap, the highest counts, such as glass over the liquid in it. Default 0.
     priority: Option<i32>,
 }
@@ -207,6 +217,8 @@ PrincipledKeys {
     clearcoat: Option<TextureKeys<Fraction>>,
     /// Roughness of the varnish. Default 0.
     clearcoat_roughness: Option<TextureKeys<Fraction>>,
+    /// A picture of normals for the varnish, as `normal_map`. Default: smooth, whatever is below it.
+    clearcoat_normal_map: Option<TextureKeys<Reflectance>>,
     /// Colour of the rim of cloth. Default 0.
     sheen_color: Option<TextureKeys<Reflectance>>,
     /// Roughness of the rim of cloth. Default 0.3.
@@ -269,7 +281,14 @@ impl MaterialKeys {
                 let color = pictures.texture(keys.color.take(), Rgb::ONE)?;
                 let facets = Facets::of(pictures.scalar(keys.roughness.take(), 0.0)?);
                 let index = keys.index.take().unwrap_or(Index::GLASS);
-                let interior = Some(interior!(keys, index));
+                let mut interior = interior!(keys, index);
+                if let Some(medium) = keys.medium.take() {
+                    let Medium { absorption, scattering, anisotropy } =
+                        medium.describe(pictures.document)?;
+                    interior.absorption += absorption;
+                    (interior.scattering, interior.anisotropy) = (scattering, anisotropy);
+                }
+                let interior = Some(interior);
                 let glass = Scattering::Dielectric { facets };
                 Ok(Material { interior, ..keys.finish(name, color, glass, pictures)? })
             }
@@ -279,6 +298,7 @@ impl MaterialKeys {
                 keys.finish(name, color, Scattering::ThinGlass { index }, pictures)
             }
             Self::Principled(keys) => keys.describe(name, pictures),
+            Self::Medium(keys) => keys.material(name, pictures.document),
             Self::Mix(mut keys) => {
                 let ((materials, interior), white) = (parts, Texture::constant(Rgb::ONE));
                 let amount = pictures.scalar(keys.amount.take(), 0.5)?;
@@ -342,6 +362,9 @@ impl PrincipledKeys {
     }
 
     fn parameters(&mut self, Index(ior): Index, pictures: &mut Pictures<'_>) -> Result<Principled> {
+        let coat_normal = self.clearcoat_normal_map.take();
+        let coat_normal = coat_normal.map(|keys| pictures.texture(Some(keys), Rgb::ONE));
+        let coat_normal = coat_normal.transpose()?.map(|texture| NormalMap { texture, scale: 1.0 });
         let mut number = |keys: &mut Option<TextureKeys<Fraction>>,
                           default: f32|
          -> Result<Scalar> { pictures.scalar(keys.take(), default) };
@@ -364,6 +387,7 @@ impl PrincipledKeys {
             iridescence: number(&mut self.iridescence, 0.0)?,
             iridescence_ior,
             iridescence_thickness: Scalar::constant(1.0),
+            clearcoat_normal: coat_normal,
             iridescence_thickness_range: [(1e9 * thickness) as f32; 2],
             specular_color: pictures.texture(self.specular_color.take(), Rgb::ONE)?,
             sheen_color: pictures.texture(self.sheen_color.take(), Rgb::ZERO)?,
@@ -383,9 +407,9 @@ fn interior(
     let (Color(color), Size(distance)) =
         (color.unwrap_or(Color(Rgb::ONE)), distance.unwrap_or(Size(1.0)));
     Interior {
-        index,
         dispersion: abbe.map_or(0.0, |Abbe(abbe)| 1.0 / abbe),
         absorption: Interior::absorption(color, distance as f32),
         priority: priority.unwrap_or(0),
+        ..Interior::clear(index)
     }
 }

@@ -15,6 +15,7 @@ mod light;
 mod look;
 mod luminaire;
 mod material;
+mod medium;
 mod overrides;
 mod pictures;
 mod substance;
@@ -43,6 +44,7 @@ use film::FilmKeys;
 use light::LightKeys;
 use look::{LookName, SectionKeys};
 use material::MaterialKeys;
+use medium::MediumKeys;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use surface::SurfaceKeys;
@@ -137,6 +139,8 @@ struct SceneKeys {
     background: Color,
     /// Light from directions that hit nothing. Default: none.
     environment: Option<At<EnvironmentKeys>>,
+    /// What is everywhere where no solid is, such as fog. Default: nothing.
+    medium: Option<MediumKeys>,
     /// How light is gathered. Default "direct".
     integrator: IntegratorKeys,
     /// What the picture is for: "clarity", "balanced" or "real". Default: as integrator and lights say.
@@ -171,6 +175,7 @@ impl Default for SceneKeys {
             up: UpAxis::default(),
             background: Color(Rgb::ZERO),
             environment: None,
+            medium: None,
             integrator: IntegratorKeys::default(),
             look: None,
             section: None,

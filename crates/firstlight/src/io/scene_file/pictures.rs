@@ -1,13 +1,15 @@
 //! The textures of a scene file, and the pictures that they use.
 
-use super::color::{CheckerKeys, ImageKeys, OneOrTwo, Reflectance, TextureKeys};
+use super::color::{
+    CheckerKeys, GradientKeys, ImageKeys, NoiseKeys, OneOrTwo, Reflectance, TextureKeys,
+};
 use super::document::{At, Document};
 use super::film::Fraction;
 use crate::color::Rgb;
 use crate::diagnostic::Result;
 use crate::io::{FileAccess, pixels};
-use crate::scene::description::{Pattern, Pixels, Scalar, Texture};
-use crate::units::written::{Angle, Number, Pair, Size};
+use crate::scene::description::{BumpAmount, BumpMap, Pattern, Pixels, Scalar, Texture};
+use crate::units::written::{Angle, Length, Number, Pair, Size};
 use glam::{Affine2, Vec2};
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -48,7 +50,7 @@ impl Pictures<'_> {
             TextureKeys::Image(ImageKeys { channel: Some(channel), .. }) => channel.value as usize,
             _ => 0,
         };
-        Ok(Scalar { texture: self.any(keys)?, channel })
+        Ok(Scalar { texture: self.any(keys)?, channel, complement: false })
     }
 
     fn any<C: Into<[f32; 4]>>(&mut self, keys: TextureKeys<C>) -> Result<Texture> {
@@ -56,8 +58,43 @@ impl Pictures<'_> {
             TextureKeys::Constant(color) => (color.into(), Pattern::Constant),
             TextureKeys::Image(keys) => ([1.0; 4], self.image_pattern(keys)?),
             TextureKeys::Checker(keys) => ([1.0; 4], checker(keys)),
+            TextureKeys::Gradient(keys) => ([1.0; 4], self.gradient(keys)?),
+            TextureKeys::Noise(keys) => ([1.0; 4], self.noise(keys)?),
         };
         Ok(Texture { factor, pattern, vertex_colors: false })
+    }
+
+    fn gradient<C: Into<[f32; 4]>>(&self, keys: GradientKeys<C>) -> Result<Pattern> {
+        let from = keys.from.map_or(Vec2::ZERO, |Pair(from)| from.as_vec2());
+        let to = keys.to.as_ref().map_or(Vec2::Y, |to| to.value.0.as_vec2());
+        let length2 = (to - from).length_squared();
+        if let Some(At { span, .. }) = keys.to.filter(|_| length2 == 0.0 || !length2.is_finite()) {
+            return Err(self
+                .document
+                .error(&span, "needs a place other than that of from, nearby"));
+        }
+        Ok(Pattern::Gradient { colors: keys.colors.0.map(Into::into), from, to })
+    }
+
+    fn noise<C: Into<[f32; 4]>>(&self, keys: NoiseKeys<C>) -> Result<Pattern> {
+        let octaves = keys.octaves.as_ref().map_or(4, |octaves| octaves.value);
+        if let Some(At { span, .. }) = keys.octaves.filter(|_| !(1..=16).contains(&octaves)) {
+            return Err(self.document.error(&span, format!("must be from 1 to 16, not {octaves}")));
+        }
+        let size = sizes(keys.size);
+        Ok(Pattern::Noise { colors: keys.colors.0.map(Into::into), size, octaves })
+    }
+
+    /// Heights over a surface; a height of 1 is `height`.
+    pub(super) fn bump(
+        &mut self,
+        keys: Option<TextureKeys<Fraction>>,
+        height: Option<Length>,
+    ) -> Result<Option<BumpMap>> {
+        let Some(keys) = keys else { return Ok(None) };
+        let Length(metres) = height.unwrap_or(Length(0.001));
+        let amount = BumpAmount::Metres(metres as f32);
+        Ok(Some(BumpMap { height: self.scalar(Some(keys), 0.0)?, amount }))
     }
 
     /// The mirror over a matte ground, which together may not reflect more than all.
@@ -114,7 +151,11 @@ impl Pictures<'_> {
 }
 
 fn checker<C: Into<[f32; 4]>>(keys: CheckerKeys<C>) -> Pattern {
-    let OneOrTwo([u, v]) = keys.size.unwrap_or(OneOrTwo([Size(1.0); 2]));
-    let size = Vec2::new(u.0 as f32, v.0 as f32);
+    let size = sizes(keys.size);
     Pattern::Checker { colors: keys.colors.0.map(Into::into), size }
+}
+
+fn sizes(size: Option<OneOrTwo<Size>>) -> Vec2 {
+    let OneOrTwo([u, v]) = size.unwrap_or(OneOrTwo([Size(1.0); 2]));
+    Vec2::new(u.0 as f32, v.0 as f32)
 }

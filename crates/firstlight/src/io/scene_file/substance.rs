@@ -70,7 +70,7 @@ pub(super) struct Metal(pub(super) ComplexIndex);
 impl Metal {
     /// What mirrors are made of.
     pub(super) const ALUMINIUM: ComplexIndex =
-        metal([1.3456, 0.96521, 0.61722], [7.4746, 6.3995, 5.3031]);
+        metal([1.2464, 0.78941, 0.48922], [6.8523, 5.8519, 4.7783]);
 }
 
 /// n and k at 650, 550 and 450 nm (refractiveindex.info: McPeak 2015, Rakić 1998, Johnson & Christy 1972 and 1974,

@@ -1,10 +1,10 @@
 use super::*;
 use crate::color::luminance;
 use crate::scene::description::{
-    Alpha, CameraLightAmount, ComplexIndex, Exposure, Filter, Integrator, Light, LightDescription,
-    Pattern, Projection, Sampling, Scalar, Scattering, Shape, Sky, Wrap,
+    Alpha, BumpAmount, CameraLightAmount, ComplexIndex, Exposure, Filter, Integrator, Light,
+    LightDescription, Pattern, Projection, Sampling, Scalar, Scattering, Shape, Sky, Wrap,
 };
-use glam::DVec3;
+use glam::{DVec3, Vec2};
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -674,4 +674,40 @@ fn every_kind_of_material_is_described() {
     assert!((soap.iridescence_thickness_range[1] - 300.0).abs() < 1e-3);
     assert!(find("soap").interior.is_some() && find("car").interior.is_none());
     assert!(find("window").is_pane() && !find("soap").is_pane());
+}
+
+#[test]
+fn patterns_may_stand_for_any_colour_or_number() {
+    let scene = scene(
+        "[materials.a.principled]
+        base_color = { noise = { colors = ['white', [0.1, 0.2, 0.3]], size = '20 cm', octaves = 6 } }
+        roughness = { gradient = { colors = [0.2, 0.8], from = [1, 0], to = [3, 0] } }
+        bump = { checker = { colors = [0, 1] } }
+        bump_height = '-2 mm'",
+    );
+    let material = &scene.materials[0];
+    let Pattern::Noise { colors, size, octaves } = material.reflectance.pattern else {
+        panic!("{material:?}")
+    };
+    assert_eq!((colors[1], size, octaves), ([0.1, 0.2, 0.3, 1.0], Vec2::splat(0.2), 6));
+    let Scattering::Principled(p) = &material.scattering else { panic!("{material:?}") };
+    let (from, to) = (Vec2::X, Vec2::new(3.0, 0.0));
+    let ramp = Pattern::Gradient { colors: [[0.2; 4], [0.8; 4]], from, to };
+    assert_eq!(p.facets.roughness.texture.pattern, ramp);
+    let bump = material.bump.as_ref().unwrap();
+    assert_eq!(bump.amount, BumpAmount::Metres(-0.002));
+    for (wrong, text) in [
+        ("reflectance = { noise = { colors = [0, 1], octaves = 0 } }", "1 to 16"),
+        (
+            "reflectance = { gradient = { colors = [0, 1], to = [0, 0] } }",
+            "other than that of from",
+        ),
+        (
+            "reflectance = { noise = { colors = [0, 1] }, checker = { colors = [0, 1] } }",
+            "exactly one",
+        ),
+    ] {
+        let text_of = complaint(&format!("[materials.a.lambert]\n{wrong}"));
+        assert!(text_of.contains(text), "{text_of}");
+    }
 }

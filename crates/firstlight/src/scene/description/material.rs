@@ -1,5 +1,6 @@
 //! Materials and textures as plain data.
 
+use super::Medium;
 use crate::color::Rgb;
 use glam::{Affine2, Vec2};
 use schemars::JsonSchema;
@@ -12,6 +13,7 @@ macro_rules! texture_list {
         let mut list = vec![$($ref)+ material.reflectance, $($ref)+ material.emission];
         list.extend(material.ambient_reflectance.$iter());
         list.extend(material.normal.$iter().map(|normal| $($ref)+ normal.texture));
+        list.extend(material.bump.$iter().map(|bump| $($ref)+ bump.height.texture));
         match $($ref)+ material.scattering {
             Scattering::Matte { roughness } => list.push($($ref)+ roughness.texture),
             Scattering::Mirror { mirrored } => list.push(mirrored),
@@ -39,6 +41,7 @@ macro_rules! texture_list {
                     $($ref)+ p.iridescence_thickness.texture,
                 ]);
                 list.extend(p.facets.direction.$iter());
+                list.extend(p.clearcoat_normal.$iter().map(|map| $($ref)+ map.texture));
             }
             Scattering::Mix { amount, .. } => list.push($($ref)+ amount.texture),
         }
@@ -61,6 +64,8 @@ pub struct Material {
     pub scattering: Scattering,
     /// What bends the normals of the surface.
     pub normal: Option<NormalMap>,
+    /// What raises the surface, before `normal` bends it further.
+    pub bump: Option<BumpMap>,
     /// What is behind the surface, if it is the boundary of a transparent solid.
     pub interior: Option<Interior>,
     /// Radiance added to what leaves the surface, W·sr⁻¹·m⁻².
@@ -84,6 +89,7 @@ impl Material {
             ambient_reflectance: None,
             scattering: Scattering::Matte { roughness: Scalar::constant(0.0) },
             normal: None,
+            bump: None,
             interior: None,
             emission: Texture::constant(Rgb::ZERO),
             emits_behind: true,
@@ -114,6 +120,18 @@ impl Material {
             }
             _ => false,
         }
+    }
+
+    /// Whether light passes it on its straight way: panes, and what bounds a medium without bending light.
+    pub fn passes_light(&self) -> bool {
+        let bends = |interior: &Interior| (interior.index - 1.0).abs() >= Interior::NOTHING;
+        let smooth = matches!(&self.scattering, Scattering::Dielectric { facets } if facets.roughness.is(0.0));
+        self.is_pane() || smooth && self.interior.as_ref().is_some_and(|interior| !bends(interior))
+    }
+
+    /// Whether what it encloses scatters light.
+    pub fn is_cloudy(&self) -> bool {
+        self.interior.is_some_and(|interior| interior.scattering != Rgb::ZERO)
     }
 
     /// Whether much of what it shows comes from one direction or through it, so that the integrator `direct`, which
@@ -196,6 +214,24 @@ pub struct NormalMap {
     pub scale: f32,
 }
 
+/// Heights in a picture, for light to fall as if the surface had relief (Blinn, *Simulation of Wrinkled Surfaces*, 1978).
+#[derive(Debug, Clone, PartialEq)]
+pub struct BumpMap {
+    /// The height, 0..1.
+    pub height: Scalar,
+    /// What a height of 1 is.
+    pub amount: BumpAmount,
+}
+
+/// How high a bump map is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum BumpAmount {
+    /// So many metres; below 0: hills are valleys.
+    Metres(f32),
+    /// So many times what is from 0 to 1 of the texture coordinates.
+    Relative(f32),
+}
+
 /// How the small facets of a rough surface lean.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Facets {
@@ -225,11 +261,30 @@ pub struct Interior {
     pub dispersion: f32,
     /// What is absorbed per length, m⁻¹ (Beer & Lambert).
     pub absorption: Rgb,
+    /// What is scattered per length, m⁻¹.
+    pub scattering: Rgb,
+    /// Mean cosine of the angle that it is scattered by; see [`Medium::anisotropy`].
+    pub anisotropy: f32,
     /// Where solids overlap, the highest counts; of equals, the one that light entered last.
     pub priority: i32,
 }
 
 impl Interior {
+    /// Nearer to 1 than this, a ratio of indices turns no light aside.
+    pub(crate) const NOTHING: f32 = 1e-4;
+
+    /// Clear, of this index.
+    pub fn clear(index: f32) -> Self {
+        let (absorption, scattering) = (Rgb::ZERO, Rgb::ZERO);
+        Self { index, dispersion: 0.0, absorption, scattering, anisotropy: 0.0, priority: 0 }
+    }
+
+    /// What it does to light on its way.
+    pub(crate) fn medium(&self) -> Medium {
+        let Self { absorption, scattering, anisotropy, .. } = *self;
+        Medium { absorption, scattering, anisotropy }
+    }
+
     /// The index of a channel: red is that of the hydrogen line C, blue that of F, green lies between
     /// (KHR_materials_dispersion).
     pub fn index_of(&self, channel: usize) -> f32 {
@@ -241,12 +296,6 @@ impl Interior {
     /// black is as good as that.
     pub fn absorption(color: Rgb, distance: f32) -> Rgb {
         color.map(|channel| (-channel.clamp(1e-9, 1.0).ln() / distance).max(0.0))
-    }
-
-    /// The fraction of light that is left after a distance, m.
-    pub(crate) fn transmittance(&self, distance: f32) -> Rgb {
-        // Where nothing is absorbed, nothing is on the way to infinity either.
-        self.absorption.map(|k| if k > 0.0 { (-k * distance).exp() } else { 1.0 })
     }
 }
 
@@ -265,6 +314,8 @@ pub struct Principled {
     pub diffuse_transmission_color: Texture,
     pub clearcoat: Scalar,
     pub clearcoat_roughness: Scalar,
+    /// `None`: the surface's own, not that of its normal map.
+    pub clearcoat_normal: Option<NormalMap>,
     pub sheen_color: Texture,
     pub sheen_roughness: Scalar,
     pub iridescence: Scalar,
@@ -290,6 +341,7 @@ impl Default for Principled {
             diffuse_transmission_color: Texture::constant(Rgb::ONE),
             clearcoat: zero.clone(),
             clearcoat_roughness: zero.clone(),
+            clearcoat_normal: None,
             sheen_color: Texture::constant(Rgb::ZERO),
             sheen_roughness: zero.clone(),
             iridescence: zero,
@@ -307,19 +359,26 @@ pub struct Scalar {
     pub texture: Texture,
     /// 0 to 3: red, green, blue, alpha.
     pub channel: usize,
+    /// Whether it is 1 minus that.
+    pub complement: bool,
 }
 
 impl Scalar {
     /// The same number everywhere.
     pub fn constant(value: f32) -> Self {
         let texture = Texture { factor: [value; 4], ..Texture::constant(Rgb::ONE) };
-        Self { texture, channel: 0 }
+        Self { texture, channel: 0, complement: false }
+    }
+
+    /// What the number in the texture stands for.
+    pub fn meant(&self, number: f32) -> f32 {
+        if self.complement { 1.0 - number } else { number }
     }
 
     /// Whether it is this number everywhere.
     pub fn is(&self, value: f32) -> bool {
         let factor = self.texture.factor[self.channel];
-        (self.texture.is_constant() || factor == 0.0) && factor == value
+        (self.texture.is_constant() || factor == 0.0) && self.meant(factor) == value
     }
 }
 
@@ -398,6 +457,24 @@ pub enum Pattern {
         colors: [[f32; 4]; 2],
         /// Side of a square in texture coordinates, along u and v (metres on a plane, quad parameters 0..1).
         size: Vec2,
+    },
+    /// From one colour to another along a line, and the same beyond its ends.
+    Gradient {
+        /// The two colours, linear RGBA.
+        colors: [[f32; 4]; 2],
+        /// Texture coordinates of the first.
+        from: Vec2,
+        /// Texture coordinates of the second; not those of the first.
+        to: Vec2,
+    },
+    /// Clouds between two colours.
+    Noise {
+        /// The two colours, linear RGBA.
+        colors: [[f32; 4]; 2],
+        /// Size of the largest clouds in texture coordinates, along u and v.
+        size: Vec2,
+        /// How many sizes of clouds there are, each half of the one before.
+        octaves: u32,
     },
 }
 

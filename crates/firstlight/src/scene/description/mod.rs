@@ -8,6 +8,7 @@ mod environment;
 mod fingerprint;
 mod light;
 mod material;
+mod medium;
 mod mesh;
 mod photometry;
 mod place;
@@ -17,15 +18,17 @@ mod view;
 pub use environment::{EnvironmentDescription, Sky};
 pub use light::{CameraLightAmount, Light, LightDescription, SpotFalloff};
 pub use material::{
-    Alpha, ComplexIndex, Facets, Interior, Material, NormalMap, Pattern, Pixels, Principled,
-    Sampling, Scalar, Scattering, Texels, Texture, UvTransform, Wrap,
+    Alpha, BumpAmount, BumpMap, ComplexIndex, Facets, Interior, Material, NormalMap, Pattern,
+    Pixels, Principled, Sampling, Scalar, Scattering, Texels, Texture, UvTransform, Wrap,
 };
+pub use medium::Medium;
 pub use mesh::Mesh;
 pub use photometry::{Goniometer, PhotometricWeb};
 pub use place::Part;
 pub use shape::{Block, Cone, Cylinder, Disk, Plane, Quad, Shape, Sphere, Surface};
 pub use view::{
-    CameraDescription, Exposure, FilmDescription, Filter, Integrator, Projection, Section, Shadows,
+    CameraDescription, CameraSettings, Exposure, FilmDescription, Filter, Integrator, Projection,
+    Section, Shadows,
 };
 
 use crate::color::Rgb;
@@ -49,6 +52,8 @@ pub struct SceneDescription {
     pub background: Rgb,
     /// Light from directions that hit nothing.
     pub environment: Option<EnvironmentDescription>,
+    /// What is everywhere where no solid is; `None`: nothing.
+    pub medium: Option<Medium>,
     /// Lumens per watt used to convert between photometric and radiometric units.
     pub luminous_efficacy: LuminousEfficacy,
     /// Decoded pictures that textures refer to.

@@ -1,10 +1,12 @@
 //! Camera, film and shading settings as plain data.
 
+use super::LuminousEfficacy;
 use crate::color::View;
 use crate::units::written::{self, Size};
 use glam::DVec3;
 use schemars::JsonSchema;
 use serde::Deserialize;
+use std::str::FromStr;
 
 /// A camera in world space.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,6 +64,9 @@ pub struct FilmDescription {
     pub view: View,
     /// Whether the background becomes alpha 0.
     pub transparent: bool,
+    /// The most that light may bring to the eye, in any channel, that was scattered more than once on its way, W·sr⁻¹·m⁻²;
+    /// what is above that is left out, with its noise.
+    pub clamp: Option<f64>,
     /// Seed of every random number.
     pub seed: u64,
 }
@@ -87,6 +92,7 @@ impl Default for FilmDescription {
             exposure: Exposure::default(),
             view: View::default(),
             transparent: false,
+            clamp: None,
             seed: 0,
         }
     }
@@ -99,6 +105,79 @@ pub enum Exposure {
     Ev(f64),
     /// Chosen from the picture so that bright matte surfaces come out just below white.
     Auto,
+    /// That of a photographer's camera.
+    Camera(CameraSettings),
+}
+
+impl Exposure {
+    /// Stops, where `efficacy` says how bright 1 W is; `None` if the picture is to decide.
+    pub fn stops(self, efficacy: LuminousEfficacy) -> Option<f64> {
+        match self {
+            Self::Ev(stops) => Some(stops),
+            Self::Auto => None,
+            Self::Camera(settings) => Some((efficacy.0 / settings.white()).log2()),
+        }
+    }
+}
+
+/// What a photographer sets, written as "1/125 f/8 ISO 100".
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CameraSettings {
+    /// Time for which the shutter is open, s.
+    pub shutter: f64,
+    /// Focal length over diameter of the lens. It says how bright the picture is, not what is sharp.
+    pub f_number: f64,
+    /// Speed of the film.
+    pub iso: f64,
+}
+
+impl CameraSettings {
+    /// Luminance that comes out just white, nit: 78 / (0.65 · S) · N² / t, by the film's saturation.
+    ///
+    /// ISO 12232; Lagarde & de Rousiers, *Moving Frostbite to Physically Based Rendering*, 2014, section 5.1.
+    pub fn white(self) -> f64 {
+        78.0 / (0.65 * self.iso) * self.f_number * self.f_number / self.shutter
+    }
+}
+
+impl FromStr for CameraSettings {
+    type Err = String;
+
+    /// The three settings in any order.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let text = text.to_ascii_lowercase().replace("iso", " iso ").replace(" s ", " ");
+        let (mut shutter, mut f_number, mut iso) = (None, None, None);
+        let mut words = text.split_whitespace();
+        while let Some(word) = words.next() {
+            let (slot, value) = match (word, word.strip_prefix("f/")) {
+                ("iso", _) => (&mut iso, words.next().unwrap_or_default().parse().ok()),
+                (_, Some(number)) => (&mut f_number, number.parse().ok()),
+                _ => (&mut shutter, seconds(word.trim_end_matches('s'))),
+            };
+            let value = value.filter(|value: &f64| (1e-9..=1e9).contains(value));
+            if slot.replace(value.ok_or_else(expected)?).is_some() {
+                return Err(expected());
+            }
+        }
+        let missing = expected;
+        Ok(Self {
+            shutter: shutter.ok_or_else(missing)?,
+            f_number: f_number.ok_or_else(missing)?,
+            iso: iso.ok_or_else(missing)?,
+        })
+    }
+}
+
+fn expected() -> String {
+    "needs a number of stops, \"auto\", or a camera's settings such as \"1/125 f/8 ISO 100\"".into()
+}
+
+/// A time such as 1/125 or 0.5, s.
+fn seconds(text: &str) -> Option<f64> {
+    match text.split_once('/') {
+        Some((part, whole)) => Some(part.parse::<f64>().ok()? / whole.parse::<f64>().ok()?),
+        None => text.parse().ok(),
+    }
 }
 
 impl Default for Exposure {
@@ -206,4 +285,30 @@ pub enum Shadows {
         #[schemars(with = "Size")]
         epsilon: f64,
     },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// EV100 of 1/125 s at f/8 is log₂(8² · 125) = 12.97; white is at 1.2 · 2^EV100 nit.
+    #[test]
+    fn a_cameras_settings_make_its_saturation_white() {
+        let settings: CameraSettings = "1/125 s f/8 ISO 100".parse().unwrap();
+        assert!((settings.white() - 1.2 * 8000.0).abs() < 1e-9);
+        let stops = Exposure::Camera(settings).stops(LuminousEfficacy(683.0)).unwrap();
+        assert!((stops - (683.0_f64 / 9600.0).log2()).abs() < 1e-12);
+        for same in ["f/8 iso100 1/125", "ISO 400 1/500s F/8", "0.008 f/8 ISO 100"] {
+            let other: CameraSettings = same.parse().unwrap();
+            assert!((other.white() / settings.white() - 1.0).abs() < 1e-12, "{same}");
+        }
+    }
+
+    #[test]
+    fn half_a_camera_is_refused() {
+        for wrong in ["", "f/8", "1/125 f/8", "1/0 f/8 ISO 100", "1 2 f/8 ISO 1", "-1 f/8 ISO 100"]
+        {
+            assert!(wrong.parse::<CameraSettings>().is_err(), "{wrong}");
+        }
+    }
 }

@@ -1,5 +1,6 @@
 //! Microfacets: a rough boundary of many small smooth ones, by the distribution of Trowbridge & Reitz (GGX).
 
+use crate::math::hash;
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use std::f32::consts::{PI, TAU};
 
@@ -36,6 +37,39 @@ impl Ggx {
     /// The fraction that is seen from both, which know of each other's heights (Heitz 2014).
     pub(crate) fn both_visible(&self, outgoing: Vec3, incoming: Vec3) -> f32 {
         1.0 / (1.0 + self.lambda(outgoing) + self.lambda(incoming))
+    }
+
+    /// Where light comes from that `scatter` turns to `outgoing` at a facet, given the facet's normal and a number in
+    /// 0..1, as far as no other facet is in its way: its density is what facets scatter once, in proportion. `None` if
+    /// next to nothing gets out.
+    ///
+    /// Facets are picked until light gets out from one. Weighting those that it does not get out from by nothing, and
+    /// others by more, would be right as well; but a path that is scattered many times, as inside of frosted glass,
+    /// multiplies weights until few paths carry all the light.
+    pub(crate) fn sample_open(
+        &self,
+        outgoing: Vec3,
+        (choice, u): (f32, Vec2),
+        scatter: impl Fn(Vec3, f32) -> Option<Vec3>,
+    ) -> Option<Vec3> {
+        const TRIES: u32 = 64;
+        let bits = |x: f32| u64::from(x.to_bits());
+        let mut seed = hash(bits(u.x) << 32 | bits(u.y)) ^ bits(choice);
+        let mut numbers = (choice, u);
+        let seen = self.visible(outgoing);
+        for _ in 0..TRIES {
+            let random: [f32; 4] = std::array::from_fn(|_| {
+                seed = hash(seed.wrapping_add(1));
+                (seed >> 40) as f32 / (1 << 24) as f32
+            });
+            let incoming = scatter(self.sample(outgoing, numbers.1), numbers.0);
+            let open = incoming.map_or(0.0, |i| self.both_visible(outgoing, i) / seen);
+            if random[0] < open {
+                return incoming;
+            }
+            numbers = (random[1], Vec2::new(random[2], random[3]));
+        }
+        None
     }
 
     /// Density of [`Ggx::sample`], sr⁻¹.

@@ -11,12 +11,11 @@ pub(crate) struct Glass {
     pub facets: Ggx,
     /// Index beyond over index on the side of `outgoing`.
     pub eta: f32,
+    /// The fraction of light from the eye that comes out after one scattering, to either side.
+    pub once: f32,
 }
 
 impl Glass {
-    /// Nearer to 1 than this, the boundary is not there.
-    pub(crate) const NOTHING: f32 = 1e-4;
-
     /// BSDF × |cosine of `incoming`|, sr⁻¹, and density of [`Glass::sample`], sr⁻¹. Light that comes through is weaker
     /// by η², since radiance counts light per solid angle and solid angles change (Veach 1997 §5.2).
     pub(crate) fn eval(&self, outgoing: Vec3, incoming: Vec3) -> (f32, f32) {
@@ -30,12 +29,12 @@ impl Glass {
         let seen = self.facets.visible_density(outgoing, m);
         let hidden = self.facets.both_visible(outgoing, incoming) / self.facets.visible(outgoing);
         if reflects {
-            let pdf = (reflected / (4.0 * cos_o)) as f32 * seen;
-            return (pdf * hidden, pdf);
+            let value = (reflected / (4.0 * cos_o)) as f32 * seen * hidden;
+            return (value, value / self.once);
         }
         let spread = cos_i + cos_o / eta;
-        let pdf = ((1.0 - reflected) * cos_i.abs() / (spread * spread)) as f32 * seen;
-        (pdf * hidden / (self.eta * self.eta), pdf)
+        let power = ((1.0 - reflected) * cos_i.abs() / (spread * spread)) as f32 * seen * hidden;
+        (power / (self.eta * self.eta), power / self.once)
     }
 
     /// The facet that sends light from `incoming` to `outgoing`, and its cosines with both. In double precision: where
@@ -50,14 +49,15 @@ impl Glass {
 
     /// A direction of either side: `choice` in 0..1 decides which.
     pub(crate) fn sample(&self, outgoing: Vec3, choice: f32, u: Vec2) -> Option<Vec3> {
-        let m = self.facets.sample(outgoing, u);
-        let cos = outgoing.dot(m).clamp(0.0, 1.0);
-        match dielectric(cos.into(), self.eta.into()) {
-            (reflected, Some(beyond)) if f64::from(choice) >= reflected => {
-                let incoming = refracted(outgoing, m, self.eta, beyond as f32).normalize();
-                (incoming.z < 0.0).then_some(incoming)
+        self.facets.sample_open(outgoing, (choice, u), |m, choice| {
+            let cos = outgoing.dot(m).clamp(0.0, 1.0);
+            match dielectric(cos.into(), self.eta.into()) {
+                (reflected, Some(beyond)) if f64::from(choice) >= reflected => {
+                    let incoming = refracted(outgoing, m, self.eta, beyond as f32).normalize();
+                    (incoming.z < 0.0).then_some(incoming)
+                }
+                _ => Some(mirrored(outgoing, m)).filter(|incoming| incoming.z > 0.0),
             }
-            _ => Some(mirrored(outgoing, m)).filter(|incoming| incoming.z > 0.0),
-        }
+        })
     }
 }

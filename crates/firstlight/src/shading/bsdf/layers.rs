@@ -10,9 +10,10 @@ use super::fresnel::{Fresnel, dielectric};
 use super::ggx::Ggx;
 use super::glass::Glass;
 use super::sheen::Sheen;
-use super::{Kind, Lobe};
+use super::{Frame, Kind, Lobe, above};
 use crate::color::Rgb;
-use glam::{Vec2, Vec3};
+use crate::scene::description::Interior;
+use glam::{Vec2, Vec3, Vec3Swizzles};
 
 /// Adds the lobes of one point to a list, from the top.
 #[derive(Debug)]
@@ -42,7 +43,7 @@ impl<'a> Layers<'a> {
         self.scattered += scattered;
         let share = scattered.max_element();
         if share > 0.0 {
-            self.lobes.push(Lobe { kind, weight, share });
+            self.lobes.push(Lobe { share, ..Lobe::new(kind, weight) });
         }
     }
 
@@ -81,14 +82,15 @@ impl<'a> Layers<'a> {
             Fresnel::Conductor { .. } => normal * (all - grazing) + grazing,
         };
         let gain = 1.0 + normal * ((1.0 - all) / all);
-        self.add(Kind::Facets { facets, fresnel, through: false }, gain, once);
+        let kind = Kind::Facets { facets, fresnel, once: all, through: false };
+        self.add(kind, gain, once);
         once * gain
     }
 
     /// The boundary of a transparent solid; `eta`: index beyond over index here, `tint`: colours what passes.
     pub(crate) fn glass(&mut self, eta: f32, alpha: Alpha, tint: Rgb) {
         let cos = self.outgoing.z;
-        if (eta - 1.0).abs() < Glass::NOTHING {
+        if (eta - 1.0).abs() < Interior::NOTHING {
             return self.add(Kind::Straight, tint, Rgb::ONE);
         }
         let Some(facets) = rough(alpha) else {
@@ -102,7 +104,7 @@ impl<'a> Layers<'a> {
             return;
         };
         let once = albedo::glass(self.outgoing, facets.alpha, eta);
-        let kind = Kind::Glass { glass: Glass { facets, eta }, tint };
+        let kind = Kind::Glass { glass: Glass { facets, eta, once }, tint };
         self.add(kind, Rgb::splat(1.0 / once), Rgb::splat(once));
     }
 
@@ -115,7 +117,8 @@ impl<'a> Layers<'a> {
         };
         let (all, _) = albedo::facets(self.outgoing, facets.alpha);
         let fresnel = Fresnel::Schlick { normal: Rgb::ONE, grazing: 1.0 };
-        self.add(Kind::Facets { facets, fresnel, through: true }, passes / all, Rgb::splat(all));
+        let kind = Kind::Facets { facets, fresnel, once: all, through: true };
+        self.add(kind, passes / all, Rgb::splat(all));
     }
 
     /// The pane of a window: light goes back and forth between its two smooth sides.
@@ -126,13 +129,19 @@ impl<'a> Layers<'a> {
         self.add(Kind::Straight, (1.0 - reflected) * tint, Rgb::ONE);
     }
 
-    /// A coat of varnish of index 1.5 that covers the fraction `amount`; less is left for what is below.
-    pub(crate) fn coat(&mut self, amount: f32, alpha: Alpha) {
-        let below = self.left;
+    /// A coat of varnish of index 1.5 that covers the fraction `amount`; less is left for what is below. `normal`: its own,
+    /// in the frame of the surface.
+    pub(crate) fn coat(&mut self, amount: f32, alpha: Alpha, normal: Vec3) {
+        let (below, seen, first) = (self.left, self.outgoing, self.lobes.len());
         self.left *= amount;
+        let tilt = if normal.z > 0.9999995 { Vec2::ZERO } else { normal.xy() };
+        if tilt != Vec2::ZERO {
+            self.outgoing = above(Frame::around(normal).to_local(seen));
+        }
         let fresnel = Fresnel::Schlick { normal: Rgb::splat(0.04), grazing: 1.0 };
         let reflected = self.facets(fresnel, alpha).x;
-        self.left = below * (1.0 - amount * reflected);
+        self.lobes[first..].iter_mut().for_each(|lobe| lobe.tilt = tilt);
+        (self.left, self.outgoing) = (below * (1.0 - amount * reflected), seen);
     }
 
     /// Cloth's fibres over what is below.

@@ -1,4 +1,4 @@
-//! How a surface scatters light at one point: a handful of lobes, each plain data.
+//! How a surface, or a medium, scatters light at one point: a handful of lobes, each plain data.
 //!
 //! A [`Bsdf`] is made for one outgoing direction. `incoming` is where light comes from; both point away from the
 //! surface. Inside this module directions are in the frame of the surface, whose third axis is the shading normal on
@@ -15,16 +15,17 @@ mod sheen;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use fresnel::Fresnel;
+pub(crate) use fresnel::{Fresnel, dielectric};
+pub(crate) use ggx::{Ggx, mirrored, refracted};
+pub(crate) use glass::Glass;
 pub(crate) use layers::Layers;
 pub(crate) use principled::{PrincipledPoint, Wall, principled};
 
 use crate::color::Rgb;
 use crate::math::tangents;
+use crate::shading::volume::HenyeyGreenstein;
 use diffuse::{Eon, cosine_weighted};
-use ggx::{Ggx, mirrored, refracted};
 use glam::{Vec2, Vec3};
-use glass::Glass;
 use sheen::Sheen;
 use std::f32::consts::FRAC_1_PI;
 
@@ -37,6 +38,8 @@ pub(crate) struct Lobe {
     pub weight: Rgb,
     /// Probability with which it is picked, 0..1; those of a point add up to 1.
     pub share: f32,
+    /// The first two coordinates of its own normal, of length 1, if that is not the frame's: as of varnish over bumps.
+    pub tilt: Vec2,
 }
 
 /// The shapes of lobes. The sharp ones scatter into one direction only.
@@ -54,6 +57,8 @@ pub(crate) enum Kind {
         facets: Ggx,
         /// What each reflects.
         fresnel: Fresnel,
+        /// The fraction of light from the eye that comes out after one reflection, if all is reflected.
+        once: f32,
         /// Whether what they reflect leaves on the other side, as of a pane that is rough and has no thickness.
         through: bool,
     },
@@ -66,6 +71,8 @@ pub(crate) enum Kind {
     },
     /// Fibres.
     Sheen(Sheen),
+    /// Particles of a medium, between which there is no surface.
+    Phase(HenyeyGreenstein),
     /// Sharp: reflected.
     Mirror,
     /// Sharp: bent.
@@ -185,7 +192,7 @@ impl Bsdf<'_> {
     /// the sharp lobes.
     #[inline(always)]
     pub(crate) fn eval(&self, incoming: Vec3) -> (Rgb, f32) {
-        if let [Lobe { kind: Kind::Lambert, weight, share }] = *self.lobes {
+        if let [Lobe { kind: Kind::Lambert, weight, share, .. }] = *self.lobes {
             let density = incoming.dot(self.frame.normal).max(0.0) * FRAC_1_PI;
             return (weight * density * self.frame.visible(incoming), share * density);
         }
@@ -219,7 +226,9 @@ impl Bsdf<'_> {
         let (lobe, choice) = self.pick(choice)?;
         let outgoing = self.local_outgoing();
         if let Some(local) = lobe.only_direction(outgoing) {
-            return Some(BsdfSample {
+            // A tilted mirror may show what lies behind its own surface.
+            let lost = lobe.kind == Kind::Mirror && local.z <= 0.0;
+            return (!lost).then(|| BsdfSample {
                 incoming: self.frame.to_world(local),
                 weight: lobe.weight / lobe.share,
                 pdf: f32::INFINITY,
@@ -237,6 +246,13 @@ impl Bsdf<'_> {
             through: local.z < 0.0,
             straight: false,
         })
+    }
+
+    /// The unit vector to the side on which light has to be to be scattered; 0 if it may be anywhere.
+    #[inline(always)]
+    pub(crate) fn horizon(&self) -> Vec3 {
+        let one_side = self.lobes.iter().all(|lobe| !lobe.passes());
+        if one_side { self.frame.normal } else { Vec3::ZERO }
     }
 
     /// The fraction of light that goes on as if nothing were there.
@@ -273,8 +289,35 @@ pub(crate) fn above(direction: Vec3) -> Vec3 {
 }
 
 impl Lobe {
+    /// Along the frame's normal, and alone.
+    pub(crate) const fn new(kind: Kind, weight: Rgb) -> Self {
+        Self { kind, weight, share: 1.0, tilt: Vec2::ZERO }
+    }
+
     /// BSDF × |cosine|, sr⁻¹, and density, sr⁻¹.
     fn eval(&self, outgoing: Vec3, incoming: Vec3) -> (Rgb, f32) {
+        let Some(own) = self.own_frame() else { return self.eval_upright(outgoing, incoming) };
+        let turned = own.to_local(incoming);
+        // What is tilted only reflects.
+        if incoming.z <= 0.0 || turned.z <= 0.0 {
+            return same(0.0);
+        }
+        self.eval_upright(above(own.to_local(outgoing)), turned)
+    }
+
+    fn sample(&self, outgoing: Vec3, choice: f32, u: Vec2) -> Option<Vec3> {
+        let Some(own) = self.own_frame() else { return self.sample_upright(outgoing, choice, u) };
+        let turned = self.sample_upright(above(own.to_local(outgoing)), choice, u)?;
+        Some(own.to_world(turned)).filter(|incoming| incoming.z > 0.0)
+    }
+
+    /// The frame of a lobe whose normal is tilted, within that of the surface.
+    fn own_frame(&self) -> Option<Frame> {
+        let up = (1.0 - self.tilt.length_squared()).max(0.0).sqrt();
+        (self.tilt != Vec2::ZERO).then(|| Frame::around(self.tilt.extend(up)))
+    }
+
+    fn eval_upright(&self, outgoing: Vec3, incoming: Vec3) -> (Rgb, f32) {
         let reflects = incoming.z > 0.0;
         let flipped = incoming.with_z(-incoming.z);
         match self.kind {
@@ -286,18 +329,30 @@ impl Lobe {
             Kind::Sheen(sheen) if reflects => {
                 (Rgb::splat(sheen.value(outgoing, incoming) * incoming.z), Sheen::pdf(incoming))
             }
-            Kind::Facets { facets, fresnel, through } if through != reflects => {
-                reflect(facets, fresnel, outgoing, if through { flipped } else { incoming })
+            Kind::Facets { facets, fresnel, once, through } if through != reflects => {
+                let incoming = if through { flipped } else { incoming };
+                let (value, power) = reflect(facets, fresnel, outgoing, incoming);
+                (value, power / once)
             }
             Kind::Glass { glass, tint } => {
                 let (value, pdf) = glass.eval(outgoing, incoming);
                 (if reflects { Rgb::splat(value) } else { value * tint }, pdf)
             }
+            Kind::Phase(phase) => same(phase.pdf(-outgoing, incoming)),
             _ => same(0.0),
         }
     }
 
-    fn sample(&self, outgoing: Vec3, choice: f32, u: Vec2) -> Option<Vec3> {
+    /// Whether light of many directions on the other side is scattered too.
+    fn passes(&self) -> bool {
+        match self.kind {
+            Kind::LambertThrough | Kind::Glass { .. } | Kind::Phase(_) => true,
+            Kind::Facets { through, .. } => through,
+            _ => false,
+        }
+    }
+
+    fn sample_upright(&self, outgoing: Vec3, choice: f32, u: Vec2) -> Option<Vec3> {
         let flip = |v: Vec3| v.with_z(-v.z);
         match self.kind {
             Kind::Lambert => Some(cosine_weighted(u)),
@@ -305,10 +360,13 @@ impl Lobe {
             Kind::Eon(eon) => Some(eon.sample(outgoing, u)),
             Kind::Sheen(_) => Some(Sheen::sample(u)),
             Kind::Facets { facets, through, .. } => {
-                let incoming = mirrored(outgoing, facets.sample(outgoing, u));
-                (incoming.z > 0.0).then(|| if through { flip(incoming) } else { incoming })
+                let incoming = facets.sample_open(outgoing, (choice, u), |m, _| {
+                    Some(mirrored(outgoing, m)).filter(|incoming| incoming.z > 0.0)
+                });
+                incoming.map(|incoming| if through { flip(incoming) } else { incoming })
             }
             Kind::Glass { glass, .. } => glass.sample(outgoing, choice, u),
+            Kind::Phase(phase) => Some(phase.sample(-outgoing, u)),
             Kind::Mirror | Kind::Refraction { .. } | Kind::Straight => None,
         }
     }
@@ -316,7 +374,10 @@ impl Lobe {
     /// Where light must come from, if the lobe is sharp.
     fn only_direction(&self, outgoing: Vec3) -> Option<Vec3> {
         match self.kind {
-            Kind::Mirror => Some(mirrored(outgoing, Vec3::Z)),
+            Kind::Mirror => {
+                let normal = self.own_frame().map_or(Vec3::Z, |own| own.normal);
+                Some(mirrored(outgoing, normal))
+            }
             Kind::Straight => Some(-outgoing),
             Kind::Refraction { eta, cos_beyond } => {
                 Some(refracted(outgoing, Vec3::Z, eta, cos_beyond).normalize())
@@ -331,11 +392,11 @@ fn same(density: f32) -> (Rgb, f32) {
     (Rgb::splat(density), density)
 }
 
-/// D G F / 4 cos cos, times the cosine, and the density.
+/// D G F / 4 cos cos, times the cosine; and the same without F.
 fn reflect(facets: Ggx, fresnel: Fresnel, outgoing: Vec3, incoming: Vec3) -> (Rgb, f32) {
     let m = (outgoing + incoming).normalize_or(Vec3::Z);
     let cos = outgoing.dot(m).clamp(0.0, 1.0);
     let around = facets.density(m) / (4.0 * outgoing.z);
     let value = around * facets.both_visible(outgoing, incoming);
-    (fresnel.at(cos) * value, around * facets.visible(outgoing))
+    (fresnel.at(cos) * value, value)
 }

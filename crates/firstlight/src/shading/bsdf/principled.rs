@@ -4,7 +4,7 @@ use super::Kind;
 use super::fresnel::{Fresnel, normal_reflectance, thin_film};
 use super::layers::{Alpha, Layers};
 use crate::color::Rgb;
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 
 /// The parameters after textures were looked up, named as in glTF 2.0 and KHR_materials_*.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,6 +31,8 @@ pub(crate) struct PrincipledPoint {
     pub clearcoat: f32,
     /// clearcoatRoughness, 0..1.
     pub clearcoat_roughness: f32,
+    /// clearcoatNormal, in the frame of the surface; its third coordinate is positive.
+    pub clearcoat_normal: Vec3,
     /// sheenColor, 0..1.
     pub sheen_color: Rgb,
     /// sheenRoughness, 0..1.
@@ -74,6 +76,7 @@ impl Default for PrincipledPoint {
             diffuse_transmission_color: Rgb::ONE,
             clearcoat: 0.0,
             clearcoat_roughness: 0.0,
+            clearcoat_normal: Vec3::Z,
             sheen_color: Rgb::ZERO,
             sheen_roughness: 0.0,
             iridescence: 0.0,
@@ -88,7 +91,8 @@ impl Default for PrincipledPoint {
 pub(crate) fn principled(layers: &mut Layers<'_>, p: &PrincipledPoint) {
     let inside = matches!(p.wall, Wall::Solid { inside: true, .. });
     if p.clearcoat > 0.0 && !inside {
-        layers.coat(p.clearcoat, Vec2::splat(p.clearcoat_roughness.powi(2)));
+        let alpha = Vec2::splat(p.clearcoat_roughness.powi(2));
+        layers.coat(p.clearcoat, alpha, p.clearcoat_normal);
     }
     if p.sheen_color != Rgb::ZERO && !inside {
         layers.sheen(p.sheen_color, p.sheen_roughness.powi(2));

@@ -114,7 +114,7 @@ fn required_extensions_that_are_unknown_stop_the_reading() {
     let warnings = warnings(&document);
     assert_eq!(warnings.len(), 1);
     assert!(warnings[0].contains("extensionsUsed[0]: the extension NV_materials_mdl"));
-    for name in ["NV_materials_mdl", "KHR_texture_basisu"] {
+    for name in ["NV_materials_mdl", "MSFT_texture_dds"] {
         document["extensionsRequired"] = json!([name]);
         let text = complaint(&document);
         assert!(text.contains("extensionsRequired[0]") && text.contains(name), "{text}");

@@ -4,7 +4,7 @@ use crate::scene::description::{
 };
 use glam::Vec2;
 
-fn material(value: Value) -> Material {
+pub(super) fn material(value: Value) -> Material {
     let mut document = triangle();
     document["materials"][0] = value;
     read(&document).materials[0].clone()
@@ -69,7 +69,7 @@ fn specular_glossiness_gives_its_diffuse_colour_and_its_gloss() {
         "glossinessFactor": 0.75 } } }));
     assert_eq!(material.reflectance.factor, [0.5, 0.25, 0.125, 1.0]);
     let p = principled(&material);
-    assert_eq!((p.ior, p.facets.roughness.texture.factor[0]), (0.0, 0.25));
+    assert!(p.ior == 0.0 && p.facets.roughness.is(0.25), "{p:?}");
     assert_eq!(p.specular_color.factor, [0.1, 0.2, 0.3, 1.0]);
 }
 
@@ -214,10 +214,46 @@ fn broken_pictures_are_named_and_replaced_by_something_visible() {
         assert_eq!(material.reflectance.factor, [1.0; 4]);
         assert!(warnings.len() == 1 && warnings[0].contains(text), "{warnings:?}");
     }
-    let basisu = json!([{ "extensions": { "KHR_texture_basisu": { "source": 0 } } }]);
-    let (material, warnings) =
-        textured(json!({ "index": 0 }), |document| document["textures"] = basisu.clone());
-    assert!(checker(&material.reflectance) && warnings[0].contains("KTX2"), "{warnings:?}");
+    let only = |name: &str| {
+        let textures = json!([{ "extensions": { name: { "source": 0 } } }]);
+        textured(json!({ "index": 0 }), |document| document["textures"] = textures.clone())
+    };
+    let (material, warnings) = only("MSFT_texture_dds");
+    assert!(checker(&material.reflectance) && warnings[0].contains("DDS"), "{warnings:?}");
+    let (material, warnings) = only("KHR_texture_basisu");
+    assert!(!checker(&material.reflectance) && warnings.is_empty(), "{warnings:?}");
+}
+
+/// Varnish has bumps of its own or none, not those of what is below.
+#[test]
+fn coats_have_normals_of_their_own() {
+    let coat = json!({ "KHR_materials_clearcoat": {
+        "clearcoatFactor": 1, "clearcoatNormalTexture": { "index": 0, "scale": 0.5 } } });
+    let (material, warnings) = textured(json!({ "index": 0 }), |document| {
+        document["materials"][0]["extensions"] = coat.clone();
+    });
+    assert!(warnings.is_empty(), "{warnings:?}");
+    let map = principled(&material).clearcoat_normal.as_ref().unwrap();
+    assert_eq!(map.scale, 0.5);
+    assert!(matches!(map.texture.pattern, Pattern::Image { .. }) && material.normal.is_none());
+}
+
+/// The diffuse colour, what it leaves is mirrored, and roughness is what glossiness is not.
+#[test]
+fn specular_and_glossiness_come_from_their_texture() {
+    let (material, warnings) = textured(json!({ "index": 0 }), |document| {
+        document["materials"][0]["extensions"] = json!({ "KHR_materials_pbrSpecularGlossiness": {
+            "diffuseFactor": [0.5, 0.4, 0.3, 1.0], "specularFactor": [0.2, 0.3, 0.4],
+            "glossinessFactor": 0.75, "specularGlossinessTexture": { "index": 0 } } });
+    });
+    assert!(warnings.is_empty(), "{warnings:?}");
+    assert_eq!(material.reflectance.factor, [0.5, 0.4, 0.3, 1.0]);
+    let Scattering::Principled(p) = material.scattering else { panic!("it is principled") };
+    assert_eq!(p.specular_color.factor[..3], [0.2, 0.3, 0.4]);
+    assert!(matches!(p.specular_color.pattern, Pattern::Image { .. }));
+    let roughness = &p.facets.roughness;
+    assert_eq!((roughness.channel, roughness.complement), (3, true));
+    assert_eq!((roughness.texture.factor[3], roughness.meant(0.75)), (0.75, 0.25));
 }
 
 #[test]

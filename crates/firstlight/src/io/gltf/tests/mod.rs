@@ -1,5 +1,6 @@
 //! Whole documents, made here.
 
+mod extensions;
 mod geometry;
 mod hostile;
 mod material;

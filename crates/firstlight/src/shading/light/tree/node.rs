@@ -77,7 +77,7 @@ impl Node {
         self.behind[child] = if cone.two_sided { 1.0 } else { -1.0 };
     }
 
-    /// How much the lights of each child may give to a surface at `point` that faces `normal`, at most: their intensity over
+    /// How much the lights of each child may give to a surface at `point` that faces `normal`, or to a medium if that is 0, at most: their intensity over
     /// the square of the distance, with the largest cosines that are possible. 0 only where they give nothing.
     #[inline(always)]
     pub(super) fn importances<S: Simd>(
@@ -93,7 +93,9 @@ impl Node {
         // The ball around them, as seen from the point.
         let sin2 = radius2 / distance2;
         let ball = Angle { cos: (one - sin2).max(zero).sqrt(), sin: sin2.sqrt() };
-        let cos = dot(splat(simd, normal), to_lights) * to_unit;
+        // Where there is no surface, light may come from anywhere.
+        let floating = simd.splat(f32::from(u8::from(normal == Vec3::ZERO)));
+        let cos = dot(splat(simd, normal), to_lights) * to_unit + floating;
         let at_surface = Angle::of_cos(simd, cos).less(simd, ball);
         let along = dot(load(simd, &self.axis), to_lights) * to_unit;
         let cos = (zero - along).max(simd.load(&self.behind) * along);

@@ -1,0 +1,85 @@
+//! `firstlight explain`, layers and `relight`.
+
+use super::Folder;
+use std::f64::consts::PI;
+
+/// The camera `top` sees x and y in the middle 6 m: 32 pixels.
+const TOP: &str = "explain scene.toml --camera top --spp 1";
+
+#[test]
+fn an_explanation_can_be_reckoned_by_hand() {
+    let folder = Folder::new();
+    let told = folder.run(&format!("{TOP} --pixel 24,8 --json")).done().json();
+    let met = &told["path"][0]["met"];
+    assert_eq!((met["surface"].as_str(), met["front"].as_bool()), (Some("floor"), Some(true)));
+    let [x, y] = [0, 1].map(|axis| met["position"][axis].as_f64().unwrap());
+    let squared = 16.0 + x * x + y * y;
+    let irradiance = 100.0 / (4.0 * PI) * 4.0 / squared.powf(1.5);
+    let light = &told["path"][0]["lights"][0];
+    let near = |value: &serde_json::Value, expected: f64| {
+        let value = value.as_f64().unwrap();
+        assert!((value / expected - 1.0).abs() < 1e-5, "{value} is not {expected}");
+    };
+    near(&light["geometry_factor"], 1.0 / squared);
+    near(&light["irradiance"][0], irradiance);
+    near(&light["illuminance"], 683.0 * irradiance);
+    near(&told["radiance"][0], 0.5 / PI * irradiance);
+    assert_eq!(light["verdict"]["is"], "lit");
+}
+
+#[test]
+fn the_text_says_what_is_in_the_way() {
+    let folder = Folder::new();
+    let text = folder.run(&format!("{TOP} --pixel 39,16")).done().text();
+    let last = text.lines().last().unwrap();
+    assert!(text.contains("'ball'"), "{text}");
+    assert!(
+        last.starts_with("dark because light 'lamp' is blocked by 'ball'")
+            || last.contains("'lamp'"),
+        "{text}"
+    );
+    let text = folder.run(&format!("{TOP} --pixel 24,16 --why-not lamp")).done().text();
+    assert!(text.contains("'lamp' makes 100 % of the pixel"), "{text}");
+    let text = folder.run(&format!("{TOP} --pixel 24,16 --compare 24,8 --noise")).done().text();
+    assert!(text.contains("'lamp' direct: 100 % of the difference"), "{text}");
+    folder.run(&format!("{TOP} --pixel 24,16 --svg rays.svg -q")).fails(2, &["-q"]);
+    folder.run(&format!("{TOP} --pixel 24,16 --svg rays.svg")).done();
+    let drawing = std::fs::read_to_string(folder.path("rays.svg")).unwrap();
+    assert!(drawing.starts_with("<svg ") && drawing.contains(">lamp</text>"), "{drawing}");
+}
+
+#[test]
+fn pixels_outside_are_refused() {
+    let folder = Folder::new();
+    folder.run(&format!("{TOP} --pixel 48,0")).fails(2, &["48 × 32", "47,31"]);
+    folder.run(&format!("{TOP} --pixel 1")).fails(2, &["two whole numbers"]);
+    folder.run(&format!("{TOP} --pixel 1,1 --why-not sun")).done();
+}
+
+#[test]
+fn lights_are_mixed_again() {
+    let folder = Folder::new();
+    let more = "-D lights.fill.ambient.radiance=0.2";
+    folder.run(&format!("render scene.toml {more} --aov light,depth -o all.exr -q")).done();
+    folder.run("relight all.exr -o same.exr -q").done();
+    folder.run(&format!("render scene.toml {more} -o plain.exr -q")).done();
+    let read = |name: &str| {
+        let bytes = std::fs::read(folder.path(name)).unwrap();
+        let limits = firstlight::io::Limits::default();
+        firstlight::io::load_image(&bytes, name, &limits).unwrap()
+    };
+    let (same, plain) = (read("same.exr"), read("plain.exr"));
+    for (a, b) in same.pixels().iter().zip(plain.pixels()) {
+        assert!(
+            a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-6 * b.abs().max(1e-3)),
+            "{a:?} {b:?}"
+        );
+    }
+    folder.run("relight all.exr --light lamp=off -o ambient.exr -q").done();
+    folder.run("relight all.exr --only fill -o only.exr -q").done();
+    assert_eq!(read("ambient.exr"), read("only.exr"));
+    folder.run("relight all.exr --light lmap=2 -o x.exr").fails(2, &["lmap", "fill, lamp"]);
+    folder.run("relight plain.exr -o x.exr").fails(2, &["no layers of light", "--aov light"]);
+    folder.run("render scene.toml --aov light -o x.png").fails(2, &["no room for layers", ".exr"]);
+    folder.run("render scene.toml --aov dept -o x.exr").fails(2, &["dept", "depth"]);
+}

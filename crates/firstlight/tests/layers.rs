@@ -1,0 +1,159 @@
+//! Layers of light add up to the picture; layers of data are what is in the middle of each pixel.
+
+mod common;
+
+use common::{close, read, small_scenes};
+use firstlight::io::{Develop, Limits, Metadata, load_layers, save_layers};
+use firstlight::layers::{Channel, Layer, Plane, data_layers};
+use firstlight::render::{Crop, RenderOptions, render, render_layers};
+use firstlight::{Image, Scene, SceneDescription};
+use std::ops::ControlFlow;
+use std::path::Path;
+
+fn numbers<'a>(channels: &'a [Channel], name: &str) -> &'a [f32] {
+    let channel = channels.iter().find(|channel| channel.name == name);
+    match &channel.unwrap_or_else(|| panic!("there is no {name}")).plane {
+        Plane::Numbers(values) => values,
+        Plane::Whole(_) => panic!("{name} has whole numbers"),
+    }
+}
+
+fn whole<'a>(channels: &'a [Channel], name: &str) -> &'a [u32] {
+    let channel = channels.iter().find(|channel| channel.name == name);
+    match &channel.unwrap_or_else(|| panic!("there is no {name}")).plane {
+        Plane::Whole(values) => values,
+        Plane::Numbers(_) => panic!("{name} has no whole numbers"),
+    }
+}
+
+/// The sums of all channels whose names begin and end so.
+fn sums(channels: &[Channel], begin: &str, end: &str, size: usize) -> Vec<f64> {
+    let mut sums = vec![0.0; size];
+    for channel in channels.iter().filter(|c| c.name.starts_with(begin) && c.name.ends_with(end)) {
+        let Plane::Numbers(values) = &channel.plane else { panic!("{} is light", channel.name) };
+        sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += f64::from(*value));
+    }
+    sums
+}
+
+fn with_layers(description: &SceneDescription, crop: Option<Crop>) -> (Image, Vec<Channel>) {
+    let scene = Scene::build(description);
+    let options = RenderOptions { crop, ..RenderOptions::default() };
+    let (rendered, lights) = render_layers(&scene, &options, &|_| ControlFlow::Continue(()));
+    let all: Vec<_> = Layer::NAMES.iter().map(|(_, layer)| *layer).collect();
+    let channels = lights.channels(description, &all);
+    (rendered.image, channels)
+}
+
+#[test]
+fn layers_of_light_add_up_to_the_picture() {
+    for (name, mut description) in small_scenes() {
+        description.film.transparent |= name.ends_with("first.toml");
+        let crop = Some(Crop { x: 3, y: 2, width: 20, height: 13 });
+        let (image, channels) = with_layers(&description, crop);
+        let options = RenderOptions { crop, ..RenderOptions::default() };
+        let scene = Scene::build(&description);
+        let plain = render(&scene, &options, &|_| ControlFlow::Continue(())).image;
+        assert_eq!(image, plain, "{name}: layers change the picture");
+        let size = image.pixels().len();
+        for (index, letter) in ["R", "G", "B"].into_iter().enumerate() {
+            let end = format!(".{letter}");
+            let by_light = sums(&channels, "light.", &end, size);
+            let by_way: Vec<f64> = ["emission", "direct", "indirect", "ambient"]
+                .into_iter()
+                .map(|way| sums(&channels, way, &end, size))
+                .reduce(|a, b| a.iter().zip(b).map(|(a, b)| a + b).collect())
+                .unwrap();
+            for ((pixel, by_light), by_way) in image.pixels().iter().zip(by_light).zip(by_way) {
+                let seen = f64::from(pixel[index] * pixel[3]);
+                let rounding = 1e-6 * f64::from(pixel[..3].iter().copied().fold(1e-6, f32::max));
+                assert!((by_light - seen).abs() <= rounding, "{name}: {by_light} is not {seen}");
+                assert!((by_way - seen).abs() <= rounding, "{name}: {by_way} is not {seen}");
+            }
+        }
+        let counts = whole(&channels, "sample_count");
+        assert!(counts.iter().all(|count| *count == 6), "{name}: {counts:?}");
+    }
+}
+
+const BALL: &str = "
+    film = { resolution = [33, 33], samples = 64 }
+    camera.perspective = { position = [0, -5, 0], target = [0, 0, 0], fov = 40 }
+    surfaces.ball.sphere = { radius = 1 }
+    surfaces.ball.material = 'red'
+    surfaces.wall.quad = { corner = [-9, 2, -9], edge_u = [18, 0, 0], edge_v = [0, 0, 9] }
+    materials.red.lambert.reflectance = [0.5, 0.2, 0.1]
+    lights.key.point = { position = [0, -5, 0], intensity = '500 cd' }
+    lights.fill.ambient.radiance = 0.1
+";
+
+fn data(text: &str) -> Vec<Channel> {
+    let description = read(Path::new("scene.toml"), text, &[]);
+    let scene = Scene::build(&description);
+    let all: Vec<_> = Layer::NAMES.iter().map(|(_, layer)| *layer).collect();
+    data_layers(&scene, &description, [[0, 0], [33, 33]], &all)
+}
+
+#[test]
+fn data_is_that_of_the_middle_of_the_pixel() {
+    let channels = data(BALL);
+    let (middle, corner, below) = (16 * 33 + 16, 0, 32 * 33 + 1);
+    close(numbers(&channels, "Z")[middle], 4.0, 1e-6);
+    close(numbers(&channels, "distance")[middle], 4.0, 1e-6);
+    close(numbers(&channels, "Z")[below], 7.0, 1e-6);
+    let slanted = numbers(&channels, "distance")[below];
+    assert!(slanted > 7.5, "{slanted} is along the ray");
+    assert_eq!(numbers(&channels, "Z")[corner], f32::INFINITY);
+    close(numbers(&channels, "P.Y")[middle], -1.0, 1e-6);
+    close(numbers(&channels, "N.Y")[middle], -1.0, 1e-6);
+    close(numbers(&channels, "facing")[middle], 1.0, 1e-6);
+    close(numbers(&channels, "albedo.G")[middle], 0.2, 1e-6);
+    assert_eq!(numbers(&channels, "roughness")[middle], 1.0);
+    for (name, of_ball, of_wall) in [("object", 1, 2), ("primitive", 1, 1), ("instance", 1, 1)] {
+        let found = whole(&channels, name);
+        assert_eq!([found[middle], found[below], found[corner]], [of_ball, of_wall, 0], "{name}");
+    }
+    let materials = whole(&channels, "material");
+    assert!(materials[middle] != materials[below] && materials[middle] > 0);
+    // 500 cd at 4 m, and ambient light of 0.1 W/(sr m²) from all sides.
+    let lux = 500.0 / 16.0 + 683.0 * 0.1 * std::f64::consts::PI;
+    close(numbers(&channels, "illuminance")[middle], lux, 1e-5);
+    close(numbers(&channels, "irradiance.B")[middle], lux / 683.0, 1e-5);
+}
+
+/// The front of the ball sees nothing but sky.
+#[test]
+fn open_places_see_the_sky() {
+    let open = numbers(&data(BALL), "ao")[16 * 33 + 16];
+    assert_eq!(open, 1.0);
+    let closed =
+        BALL.to_owned() + "surfaces.shell.sphere = { center = [0, -1, 0], radius = 0.3 }\n";
+    let inside = closed.replace("position = [0, -5, 0], target", "position = [0, -1.1, 0], target");
+    let hidden = numbers(&data(&inside), "ao")[16 * 33 + 16];
+    assert_eq!(hidden, 0.0);
+}
+
+#[test]
+fn files_keep_every_bit_and_are_the_same_each_time() {
+    let description = read(Path::new("scene.toml"), BALL, &["film.samples=1"]);
+    let (image, channels) = with_layers(&description, None);
+    let attributes: Vec<_> = (0..9).map(|i| (format!("cryptomatte/{i}"), i.to_string())).collect();
+    let save = || {
+        let (channels, attributes) = (channels.clone(), attributes.clone());
+        save_layers(&image, channels, attributes, Develop::default(), &Metadata::default()).unwrap()
+    };
+    let bytes = save();
+    assert!((0..4).all(|_| save() == bytes));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("layers.exr");
+    std::fs::write(&path, bytes).unwrap();
+    let file = load_layers(&path, &Limits::default()).unwrap();
+    assert_eq!((file.width, file.height, file.exposure_ev), (33, 33, Some(0.0)));
+    for channel in &channels {
+        let found = file.channels.iter().find(|found| found.name == channel.name);
+        assert_eq!(found, Some(channel));
+    }
+    let mut lights = file.layers("light.");
+    lights.sort_unstable();
+    assert_eq!(lights, ["fill", "key"]);
+}
