@@ -36,8 +36,9 @@ fn findings(mut scene: SceneDescription) -> Vec<Diagnostic> {
     let built = Scene::build_with(&scene, Level::detect(), BuildQuality::Preview);
     let doctor = Doctor::new(&scene, &built);
     let rendered = render(&built, &RenderOptions::default(), &|_| ControlFlow::Continue(()));
+    let stops = scene.film.exposure.stops(scene.luminous_efficacy);
     let format = Format::Png { bits: BitDepth::Eight };
-    let picture = Picture::new(rendered, scene.film.exposure, scene.film.view, format);
+    let picture = Picture::new(rendered, stops, scene.film.view, format);
     // A few samples say nothing about the noise of the picture to come.
     let mut found = doctor.examine(Care::Thorough);
     found.extend(doctor.judge(&verdict::shown(&picture, None)));

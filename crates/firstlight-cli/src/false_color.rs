@@ -42,7 +42,7 @@ pub(crate) fn encode(
         None => Scale::around(&values, unit),
     };
     let image = false_color(&values, picture.rendered.film.size(), &scale);
-    let develop = Develop { exposure_ev: 0.0, view: View::Srgb };
+    let develop = Develop { exposure_ev: 0.0, view: View::Srgb, dither: false };
     save(&image, format, develop, metadata).map_err(|error| Failure { exit: Exit::Failed, error })
 }
 

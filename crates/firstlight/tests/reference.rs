@@ -104,7 +104,7 @@ fn partly_transparent_surfaces_are_measured_with_their_error() {
     scene.materials[0].reflectance.factor[3] = 0.4;
     scene.background = Vec3::ONE;
     let ambient = 0.5;
-    light(&mut scene, Light::Ambient { radiance: Vec3::splat(ambient) });
+    light(&mut scene, Light::Ambient { radiance: Vec3::splat(ambient), reach: f64::INFINITY });
     light(&mut scene, Light::Directional { direction: -DVec3::Z, irradiance: Vec3::ONE });
     add(&mut scene, floor());
     let scene = Scene::build(&scene);
