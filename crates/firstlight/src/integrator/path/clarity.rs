@@ -69,6 +69,7 @@ impl<'a> Clarity<'a> {
     }
 
     /// What each of `rays` shows, one sample each by its `points`, into `scratch.samples`.
+    #[inline(never)]
     pub(crate) fn gather(
         &self,
         rays: &[Ray],
