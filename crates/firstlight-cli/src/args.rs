@@ -32,7 +32,7 @@ Examples:
   firstlight measure scene.toml --irradiance 0,0,0,0,0,1
   firstlight verify
 
-Exit codes: 0 done, 1 failed, 2 wrong usage or bad input, 3 a strict check failed, 130 or 143 interrupted.";
+Exit codes: 0 done, 1 failed, 2 wrong usage or bad input, 3 a strict check failed, 4 a comparison differs, 130 or 143 interrupted.";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
@@ -46,6 +46,8 @@ pub(crate) enum Command {
     Info(InfoArgs),
     /// Show every light with its units, and what of it arrives in the middle of the scene
     Lights(Box<LightsArgs>),
+    /// Say whether two pictures are the same, within their noise or to the eye
+    Compare(CompareArgs),
     /// Print the JSON Schema of scene files, for editors
     Schema,
     /// Measure irradiance and radiance at points of a scene
@@ -153,6 +155,18 @@ pub(crate) struct RenderArgs {
     /// Print nothing but errors and warnings
     #[arg(short, long)]
     pub quiet: bool,
+    /// Write a map of a quantity in colours, with a legend, instead of the picture
+    #[arg(long, value_enum, value_name = "QUANTITY", conflicts_with_all = ["samples", "aov"])]
+    pub false_color: Option<FalseColorName>,
+    /// What the first and last colour stand for, such as 1..1000 (logarithmic) or 0..500 [default: as the picture needs]
+    #[arg(long, value_name = "A..B", value_parser = range, requires = "false_color")]
+    pub false_color_range: Option<[f64; 2]>,
+    /// Compare the picture with this one, and end with exit code 4 if it differs
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["samples", "crop"])]
+    pub reference: Option<PathBuf>,
+    /// Mean FLIP up to which they are the same [default: their noise, else 0.01]
+    #[arg(long, value_name = "FLIP", value_parser = flip, requires = "reference")]
+    pub threshold: Option<f64>,
     #[command(flatten)]
     pub findings: FindingArgs,
 }
@@ -369,6 +383,45 @@ pub(crate) struct LightsArgs {
 }
 
 #[derive(Debug, Args)]
+#[command(after_help = COMPARE_EXAMPLES)]
+pub(crate) struct CompareArgs {
+    /// A picture (.exr .hdr .pfm .png .jpg .webp), or a part that render --samples has written
+    #[arg(value_name = "A")]
+    pub a: PathBuf,
+    /// The picture it is compared with
+    #[arg(value_name = "B")]
+    pub b: PathBuf,
+    /// Noise of B, if it does not tell it: its standard error as a part of each pixel, such as 1%
+    #[arg(long, value_name = "PERCENT", value_parser = noise, allow_hyphen_values = true)]
+    pub reference_noise: Option<f64>,
+    /// A picture of the variances of A's pixels
+    #[arg(long, value_name = "FILE")]
+    pub variance_a: Option<PathBuf>,
+    /// A picture of the variances of B's pixels
+    #[arg(long, value_name = "FILE")]
+    pub variance_b: Option<PathBuf>,
+    /// Mean FLIP up to which they are the same, 0 to 1 [default: their noise, else 0.01]
+    #[arg(long, value_name = "FLIP", value_parser = flip)]
+    pub threshold: Option<f64>,
+    /// Write a picture of what differs, with -o
+    #[command(flatten)]
+    pub output: OutputArgs,
+    /// Print it as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+const COMPARE_EXAMPLES: &str = "\
+Where the noise is known (parts, EXR files with layers variance.R G B, --variance-a and -b, --reference-noise), squares of
+16 × 16 pixels are tested, and one comparison in a hundred of equal pictures goes wrong. Elsewhere, what counts is how
+different they look.
+
+Examples:
+  firstlight compare new.png old.png -o difference.png
+  firstlight compare part.exr reference.exr --reference-noise 0.5%
+  firstlight render scene.toml --reference old.png --threshold 0.02";
+
+#[derive(Debug, Args)]
 #[command(after_help = MEASURE_EXAMPLES)]
 pub(crate) struct MeasureArgs {
     #[command(flatten)]
@@ -452,6 +505,15 @@ impl<T> Switch<T> {
 pub(crate) enum Axis {
     Y,
     Z,
+}
+
+/// A quantity that colours can stand for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum FalseColorName {
+    /// What the camera sees, nit
+    Luminance,
+    /// What falls on the surfaces it sees, lx
+    Illuminance,
 }
 
 /// The units of a glTF file's lights, as they are called on the command line.
@@ -574,6 +636,21 @@ fn noise(text: &str) -> Parsed<f64> {
     let value = number.parse().ok().map(|number: f64| number * unit);
     let value = value.filter(|value| (1e-6..=1.0).contains(value));
     value.ok_or_else(|| "needs a part of the picture's brightness, such as 2% or 0.02".into())
+}
+
+/// A mean FLIP, 0..1.
+fn flip(text: &str) -> Parsed<f64> {
+    let number = text.trim().parse().ok().filter(|number: &f64| (0.0..=1.0).contains(number));
+    number.ok_or_else(|| "needs a number from 0 to 1, such as 0.02".into())
+}
+
+/// Two numbers from 0, the first smaller.
+fn range(text: &str) -> Parsed<[f64; 2]> {
+    let ends = text.split_once("..").map(|(from, to)| (from.trim().parse(), to.trim().parse()));
+    match ends {
+        Some((Ok(from), Ok(to))) if 0.0 <= from && from < to && to <= 1e15 => Ok([from, to]),
+        _ => Err("needs two numbers, the first smaller, such as 1..1000".into()),
+    }
 }
 
 fn clamp(text: &str) -> Parsed<f64> {

@@ -36,8 +36,8 @@ fn findings(mut scene: SceneDescription) -> Vec<Diagnostic> {
     let built = Scene::build_with(&scene, Level::detect(), BuildQuality::Preview);
     let doctor = Doctor::new(&scene, &built);
     let rendered = render(&built, &RenderOptions::default(), &|_| ControlFlow::Continue(()));
-    let format = Format::Png { bits: BitDepth::Eight };
     let stops = scene.film.exposure.stops(scene.luminous_efficacy);
+    let format = Format::Png { bits: BitDepth::Eight };
     let picture = Picture::new(rendered, stops, scene.film.view, format);
     // A few samples say nothing about the noise of the picture to come.
     let mut found = doctor.examine(Care::Thorough);

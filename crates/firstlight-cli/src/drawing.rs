@@ -122,11 +122,9 @@ fn lines(number: usize, step: &Step, reach: f64) -> Vec<Line> {
             Verdict::Lit | Verdict::Tinted { .. } | Verdict::Unshadowed => {
                 (at + distance * incoming, "lit", light.source.clone())
             }
-            Verdict::Blocked { by, distance } => (
-                at + f64::from(*distance) * incoming,
-                "blocked",
-                format!("{} blocked by {by}", light.source),
-            ),
+            Verdict::Blocked { by, at: place, .. } => {
+                (double(*place), "blocked", format!("{} blocked by {by}", light.source))
+            }
             _ => continue,
         };
         lines.push(Line { from: at, to, class, label });

@@ -101,7 +101,13 @@ impl Text<'_> {
         writeln!(f)?;
         match &step.met {
             Some(met) => self.met(f, met)?,
-            None => writeln!(f, "{:<12} nothing", "meets")?,
+            None => match step.scattered_after {
+                Some(distance) => {
+                    let away = units::format(distance.into(), "m");
+                    writeln!(f, "{:<12} fog, which scatters it after {away}", "meets")?;
+                }
+                None => writeln!(f, "{:<12} nothing", "meets")?,
+            },
         }
         for (source, radiance) in &step.gained {
             let gives = triple(*radiance);
@@ -238,8 +244,9 @@ fn verdict(verdict: &Verdict) -> String {
             format!("passes through panes that leave {}", triple(*passed))
         }
         Verdict::Unshadowed => "casts no shadows".into(),
-        Verdict::Blocked { by, distance } => {
-            format!("blocked by '{}' after {}", visible(by), units::format((*distance).into(), "m"))
+        Verdict::Blocked { by, distance, at } => {
+            let away = units::format((*distance).into(), "m");
+            format!("blocked by '{}' after {away}, at {}", visible(by), triple(*at))
         }
         Verdict::FacesAway => "behind the surface, which faces away from it".into(),
         Verdict::OutsideBeam => "does not shine this way".into(),

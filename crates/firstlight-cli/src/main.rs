@@ -2,8 +2,10 @@
 
 mod args;
 mod check;
+mod compare;
 mod drawing;
 mod explain;
+mod false_color;
 mod info;
 mod input;
 mod layers;
@@ -33,6 +35,7 @@ fn main() -> ExitCode {
         Command::Explain(args) => explain::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Info(args) => info::run(&args),
+        Command::Compare(args) => compare::run(&args),
         Command::Lights(args) => lights::run(&args),
         Command::Schema => schema::run(),
         Command::Measure(args) => measure::run(&args),
@@ -54,6 +57,7 @@ enum Exit {
     Failed = 1,
     Usage = 2,
     Strict = 3,
+    Differs = 4,
     Interrupt = 130,
     Terminate = 143,
 }

@@ -6,8 +6,9 @@ use crate::layers::{self, Scenes};
 use crate::machine::{self, Signal};
 use crate::output::{Output, print_json};
 use crate::report::{self, Bar};
-use crate::{Exit, Failure, Outcome, verdict};
+use crate::{Exit, Failure, Outcome, compare, false_color, verdict};
 use firstlight::color::View;
+use firstlight::compare::Measured;
 use firstlight::diagnostic::{Diagnostic, Result, visible};
 use firstlight::doctor::{Care, Doctor};
 use firstlight::io::{Develop, Format, Metadata, PartInfo, Warnings, save, save_part};
@@ -41,6 +42,7 @@ pub(crate) fn run(args: RenderArgs) -> Outcome {
     let mut clock = Clock::start();
     let output = plan(&args)?;
     layers::check_format(&args, &output)?;
+    false_color::check_format(&args, &output)?;
     let threads = args.picture.threads();
     let mut warnings = Warnings::new();
     let access = args.picture.input.access();
@@ -73,13 +75,28 @@ pub(crate) fn run(args: RenderArgs) -> Outcome {
             let bytes = layers::encode(wanted, &scenes, threads, &picture, &lights, &metadata)?;
             output.write(&bytes)?;
         }
-        _ => write(&args, &scene, &picture, &output)?,
+        _ => write(
+            &args,
+            &Scenes { description: &scene, built: &built },
+            threads,
+            &picture,
+            &output,
+        )?,
     }
     clock.lap("write");
-    let done = Done { args: &args, scene, built, picture, output, threads, warnings, clock };
+    let reference = args.reference.as_deref().map(|reference| {
+        let measured = Measured::of_film(&picture.rendered.film);
+        compare::with_reference(&measured, reference, args.threshold)
+    });
+    let reference = reference.transpose()?;
+    let differs = reference.as_ref().is_some_and(|(comparison, _)| !comparison.same);
+    let reference = reference.map(|(_, json)| json);
+    let done =
+        Done { args: &args, scene, built, picture, output, threads, warnings, clock, reference };
     done.report()?;
     Ok(signal.exit().unwrap_or(match args.findings.strict && !done.warnings.is_empty() {
         true => Exit::Strict,
+        false if differs => Exit::Differs,
         false => Exit::Done,
     }))
 }
@@ -240,11 +257,19 @@ impl Limits<'_> {
 
 fn write(
     args: &RenderArgs,
-    scene: &SceneDescription,
+    scenes: &Scenes<'_>,
+    threads: usize,
     picture: &Picture,
     output: &Output,
 ) -> Outcome<()> {
-    let info = info(args, scene, picture);
+    let info = info(args, scenes.description, picture);
+    if let Some(quantity) = args.false_color {
+        let (range, metadata) = (args.false_color_range, metadata(&info, picture));
+        let format = output.format;
+        let bytes =
+            false_color::encode(quantity, range, scenes, threads, picture, format, &metadata)?;
+        return output.write(&bytes);
+    }
     if args.samples.is_none() {
         return write_picture(&info, picture, !args.output.no_dither, output);
     }
@@ -333,12 +358,18 @@ struct Done<'a> {
     threads: usize,
     warnings: Warnings,
     clock: Clock,
+    /// How it compares with a reference.
+    reference: Option<Value>,
 }
 
 impl Done<'_> {
     fn report(&self) -> Outcome<()> {
         if self.args.json {
-            return print_json(&self.json());
+            let mut json = self.json();
+            if let Some(reference) = &self.reference {
+                json["reference"] = reference.clone();
+            }
+            return print_json(&json);
         }
         if !self.args.quiet {
             report::line(visible(&self.line()));

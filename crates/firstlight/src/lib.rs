@@ -40,9 +40,11 @@
 mod bvh;
 mod camera;
 pub mod color;
+pub mod compare;
 pub mod diagnostic;
 pub mod doctor;
 pub mod explain;
+pub mod false_color;
 mod film;
 mod geometry;
 mod image;

@@ -11,13 +11,13 @@ const LAYERS: &[&[&str]] = &[
     &["units", "image", "sampler"],
     &["scene::description"],
     &["geometry"],
-    &["kernels", "camera", "film"],
+    &["kernels", "camera", "false_color", "film"],
     &["bvh", "shading"],
     &["scene"],
     &["integrator", "look"],
     &["layers"],
     &["render"],
-    &["doctor", "explain", "passport", "verify"],
+    &["compare", "doctor", "explain", "passport", "verify"],
     &["io"],
 ];
 

@@ -102,7 +102,7 @@ fn lights_that_give_nothing_say_why() {
     assert_eq!(verdict("below", &[]).0, Verdict::FacesAway);
     let shade = "surfaces.shade.sphere={center=[0, 1.5, 2], radius=0.5}";
     let (blocked, cause) = verdict("key", &[shade]);
-    let Verdict::Blocked { by, distance } = blocked else { panic!("{blocked:?}") };
+    let Verdict::Blocked { by, distance, .. } = blocked else { panic!("{blocked:?}") };
     assert_eq!(by, "shade");
     assert!((distance - 2.0).abs() < 0.02, "the sphere begins 2 m away, not {distance}");
     assert!(cause.contains("light 'key' is blocked by 'shade' 2"), "{cause}");

@@ -20,12 +20,10 @@ fn findings_have_codes_that_can_be_ignored() {
 #[test]
 fn a_render_says_before_and_after_what_is_wrong_each_once() {
     let folder = Folder::new();
-    let line = "render scene.toml --strict -o a.png -D surfaces.dome.sphere.radius=3.5";
-    let ran = folder.run(line);
-    ran.fails(
-        3,
-        &["light \"lamp\": nothing", "\"dome\"", "all black: every shadow ray hits \"dome\""],
-    );
+    let line =
+        "render scene.toml --strict -o a.png -D surfaces.roof.disk={center=[0,0,3.5],radius=";
+    let ran = folder.run(&format!("{line}30}}"));
+    ran.fails(3, &["light \"lamp\": nothing", "it is all black", "shadow rays hit \"roof\""]);
     assert_eq!(ran.stderr.matches("[light-blocked]").count(), 1, "{}", ran.stderr);
     assert!(folder.path("a.png").exists());
     folder.run(&format!("{line}0.3}}")).done();

@@ -1,5 +1,6 @@
 //! The command as its users run it, each time in a fresh folder.
 
+mod compare;
 mod doctor;
 mod explain;
 mod measure;

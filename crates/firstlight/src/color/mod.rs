@@ -1,8 +1,10 @@
 //! Colour: linear Rec. 709 with D65 white inside, sRGB at the edges.
 
+mod map;
 mod srgb;
 mod view;
 
+pub use map::ColorMap;
 pub use srgb::{
     srgb_code8, srgb_code16, srgb_decode, srgb_dithered8, srgb_encode, srgb_linear8, srgb_linear16,
 };

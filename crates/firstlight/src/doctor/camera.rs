@@ -2,8 +2,7 @@
 
 use super::{Doctor, finding, named, percent};
 use crate::diagnostic::Diagnostic;
-use crate::scene::bounds;
-use crate::scene::description::{CameraDescription, Projection, Shape};
+use crate::scene::description::{CameraDescription, Projection};
 use crate::units;
 use glam::DVec3;
 use std::collections::BTreeSet;
@@ -45,28 +44,14 @@ impl Doctor<'_> {
 
     /// Whether any other surface reaches beyond the box around this one.
     fn something_outside(&self, surface: u32) -> bool {
-        let part = |keep: &dyn Fn(u32) -> bool| {
-            let mut scene = self.description.clone();
-            let mut number = 0;
-            scene.surfaces.retain(|_| {
-                number += 1;
-                keep(number - 1)
-            });
-            let endless = scene.surfaces.iter().any(|s| matches!(s.shape, Shape::Plane(_)));
-            (bounds(&scene), endless)
-        };
-        let ((Some([lo, hi]), _), (others, endless)) =
-            (part(&|i| i == surface), part(&|i| i != surface))
-        else {
-            return false;
-        };
-        endless || others.is_some_and(|[a, b]| a.cmplt(lo).any() || b.cmpgt(hi).any())
+        let Some([lo, hi]) = self.boxes[surface as usize] else { return false };
+        let beyond = |[a, b]: &[DVec3; 2]| a.cmplt(lo).any() || b.cmpgt(hi).any();
+        self.is_endless() || self.boxes.iter().flatten().any(beyond)
     }
 
     /// A camera from which all surfaces together are a dot.
     fn is_far(&self, camera: &CameraDescription) -> Option<Diagnostic> {
-        let endless = self.description.surfaces.iter().any(|s| matches!(s.shape, Shape::Plane(_)));
-        let [lo, hi] = bounds(self.description).filter(|_| !endless)?;
+        let [lo, hi] = self.bounds().filter(|_| !self.is_endless())?;
         let (size, distance) =
             ((hi - lo).length(), camera.position.distance(0.5 * (lo + hi)).max(1e-12));
         let height = match camera.projection {

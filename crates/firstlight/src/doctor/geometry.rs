@@ -4,11 +4,11 @@ use super::probes::Probe;
 use super::{Care, Doctor, finding, named, percent, quoted};
 use crate::bvh::Part;
 use crate::diagnostic::Diagnostic;
-use crate::geometry::Ray;
+use crate::geometry::{Bounds, Ray};
 use crate::scene::SeenByCamera;
 use crate::scene::description::{Mesh, SceneDescription, Shape, Surface};
 use glam::{DVec3, Vec3};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Triangles that are looked at before every render, in all.
 const FEW_TRIANGLES: usize = 1 << 14;
@@ -21,6 +21,8 @@ const FAR_PART: f64 = 0.1;
 const FAR: f32 = 0.26;
 /// The part of what the camera might see that it may look through from behind, into nothing.
 const FROM_BEHIND: f64 = 0.2;
+/// Surfaces that are looked at before every render.
+const FEW_SURFACES: usize = 4096;
 /// Shapes with a formula that are looked at.
 const FEW_SHAPES: usize = 64;
 /// Rays that must find two surfaces in each other before it is told.
@@ -33,11 +35,12 @@ const OPEN: f64 = 0.01;
 impl Doctor<'_> {
     /// Everything that is odd about surfaces.
     pub(super) fn surfaces(&self, care: Care) -> Vec<Diagnostic> {
-        let mut found: Vec<_> = duplicates(self.description).into_iter().collect();
+        let count = if care == Care::Quick { FEW_SURFACES } else { usize::MAX };
+        let mut found: Vec<_> = duplicates(self.description, count).into_iter().collect();
         found.extend(self.coincident());
         found.extend(self.seen_from_behind(care));
         found.extend(meshes(self.description, care));
-        found.extend(self.glass(care));
+        found.extend(self.glass(care, count));
         found
     }
 
@@ -150,11 +153,21 @@ impl Doctor<'_> {
     }
 
     /// Boundaries of solids that have no inside.
-    fn glass(&self, care: Care) -> Vec<Diagnostic> {
+    fn glass(&self, care: Care, count: usize) -> Vec<Diagnostic> {
         let transparent =
             |surface: &&Surface| self.description.materials[surface.material].interior.is_some();
-        let surfaces = self.description.surfaces.iter().filter(transparent);
-        surfaces.filter_map(|surface| self.broken_glass(surface, care)).take(3).collect()
+        let surfaces = self.description.surfaces.iter().take(count).filter(transparent);
+        // Copies of a mesh are as open as the first.
+        let mut known = HashSet::new();
+        let new = |surface: &&Surface| match surface.shape {
+            Shape::Mesh(mesh) => known.insert(mesh),
+            _ => true,
+        };
+        surfaces
+            .filter(new)
+            .filter_map(|surface| self.broken_glass(surface, care))
+            .take(3)
+            .collect()
     }
 
     fn broken_glass(&self, surface: &Surface, care: Care) -> Option<Diagnostic> {
@@ -206,9 +219,9 @@ fn stride(triangles: usize, care: Care) -> usize {
 }
 
 /// The first two surfaces that are the same in the same place.
-fn duplicates(scene: &SceneDescription) -> Option<Diagnostic> {
+fn duplicates(scene: &SceneDescription, count: usize) -> Option<Diagnostic> {
     let mut known = HashMap::new();
-    let mut twice = scene.surfaces.iter().filter_map(|surface| {
+    let mut twice = scene.surfaces.iter().take(count).filter_map(|surface| {
         let bits = surface.transform.to_cols_array().map(f64::to_bits);
         let shape = match &surface.shape {
             Shape::Mesh(mesh) => mesh.to_string(),
@@ -228,11 +241,16 @@ fn duplicates(scene: &SceneDescription) -> Option<Diagnostic> {
 
 /// What is wrong with the triangles of meshes that are used.
 fn meshes(scene: &SceneDescription, care: Care) -> Vec<Diagnostic> {
-    let used = |i: usize| scene.surfaces.iter().find(|s| s.shape == Shape::Mesh(i));
+    let mut users = vec![None; scene.meshes.len()];
+    for surface in scene.surfaces.iter().rev() {
+        if let Shape::Mesh(mesh) = surface.shape {
+            users[mesh] = Some(surface);
+        }
+    }
     let total: usize = scene.meshes.iter().map(|mesh| mesh.triangles.len()).sum();
     let mut worst: BTreeMap<&'static str, (Diagnostic, usize)> = BTreeMap::new();
-    for (i, mesh) in scene.meshes.iter().enumerate() {
-        let Some(surface) = used(i) else { continue };
+    for (mesh, surface) in scene.meshes.iter().zip(users) {
+        let Some(surface) = surface else { continue };
         for oddity in
             Census::of(mesh, stride(total, care)).oddities(&named("surface", &surface.name))
         {
@@ -343,8 +361,8 @@ struct Solid {
 impl Solid {
     fn of(mesh: &Mesh, stride: usize) -> Self {
         let mut solid = Self { area: 0.0, vector_area: DVec3::ZERO, volume: 0.0 };
-        let middle = mesh.positions.iter().map(|p| p.as_dvec3()).sum::<DVec3>()
-            / mesh.positions.len().max(1) as f64;
+        let around = Bounds::around(mesh.positions.iter().copied());
+        let middle = 0.5 * (around.lo.as_dvec3() + around.hi.as_dvec3());
         for triangle in mesh.triangles.iter().step_by(stride) {
             let [a, b, c] = triangle.map(|i| mesh.positions[i as usize].as_dvec3() - middle);
             let area = 0.5 * (b - a).cross(c - a);

@@ -91,7 +91,9 @@ fn most_opaque(scene: &SceneDescription, texture: &Texture, care: Care) -> f32 {
                 Texels::Linear(texels) => texels.iter().map(|texel| texel[3]).fold(0.0, f32::max),
             }
         }
-        Pattern::Checker { colors: [a, b], .. } => a[3].max(b[3]),
+        Pattern::Checker { colors: [a, b], .. }
+        | Pattern::Gradient { colors: [a, b], .. }
+        | Pattern::Noise { colors: [a, b], .. } => a[3].max(b[3]),
         _ => 1.0,
     };
     texture.factor[3] * pattern

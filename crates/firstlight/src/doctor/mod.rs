@@ -21,10 +21,14 @@ pub use geometry::degenerate_triangles;
 pub use lights::none as no_lights;
 pub use picture::Shown;
 
+use crate::bvh::Part;
 use crate::diagnostic::Diagnostic;
+use crate::geometry::Bounds;
 use crate::scene::Scene;
-use crate::scene::description::SceneDescription;
+use crate::scene::description::{Mesh, SceneDescription, Shape, Surface};
+use glam::DVec3;
 use probes::Probes;
+use std::sync::Arc;
 
 /// How closely to look.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -81,12 +85,24 @@ pub struct Doctor<'a> {
     description: &'a SceneDescription,
     scene: &'a Scene,
     probes: Probes,
+    /// A box around each surface; `None` for those without end, or with nothing in them.
+    boxes: Vec<Option<[DVec3; 2]>>,
 }
 
 impl<'a> Doctor<'a> {
     /// For `scene`, which was built from `description`. Sends out a few hundred rays.
     pub fn new(description: &'a SceneDescription, scene: &'a Scene) -> Self {
-        Self { description, scene, probes: Probes::send(scene) }
+        Self { description, scene, probes: Probes::send(scene), boxes: boxes(description, scene) }
+    }
+
+    /// A box around all surfaces that have an end.
+    fn bounds(&self) -> Option<[DVec3; 2]> {
+        self.boxes.iter().flatten().copied().reduce(|[a, b], [lo, hi]| [a.min(lo), b.max(hi)])
+    }
+
+    /// Whether there is an infinite plane.
+    fn is_endless(&self) -> bool {
+        self.description.surfaces.iter().any(|surface| matches!(surface.shape, Shape::Plane(_)))
     }
 
     /// Everything that is odd about the scene, as far as that shows before it is rendered.
@@ -116,6 +132,23 @@ impl<'a> Doctor<'a> {
     fn quoted(&self, surface: u32) -> String {
         quoted(&self.description.surfaces[surface as usize].name)
     }
+}
+
+/// A box around each surface: around the corners of its mesh's own box, so that copies cost next to nothing.
+fn boxes(description: &SceneDescription, scene: &Scene) -> Vec<Option<[DVec3; 2]>> {
+    let around = |mesh: &Arc<Mesh>| Bounds::around(mesh.positions.iter().copied());
+    let meshes: Vec<Bounds> = description.meshes.iter().map(around).collect();
+    let of = |(surface, part): (&Surface, &Part)| {
+        let bounds = match (&surface.shape, part) {
+            (Shape::Mesh(mesh), _) => Some(meshes[*mesh])
+                .filter(|bounds| !bounds.is_empty())
+                .map(|b| Bounds::of_mapped(b.lo.as_dvec3(), b.hi.as_dvec3(), &surface.transform)),
+            (_, Part::Analytic(shape, _)) => shape.bounds(),
+            (_, Part::Mesh(_)) => None,
+        };
+        bounds.map(|bounds| [bounds.lo.as_dvec3(), bounds.hi.as_dvec3()])
+    };
+    description.surfaces.iter().zip(scene.world.parts()).map(of).collect()
 }
 
 /// A thing as it is called in findings: `light "key"`.

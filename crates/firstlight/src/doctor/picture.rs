@@ -6,7 +6,6 @@ use crate::color::{Rgb, View, srgb_code8};
 use crate::diagnostic::Diagnostic;
 use crate::film::{Noise, auto_exposure};
 use crate::render::Rendered;
-use crate::scene::bounds;
 use crate::scene::description::FilmDescription;
 
 /// The part of a picture that may be cut off at white without a word.
@@ -85,7 +84,7 @@ impl Doctor<'_> {
     fn sees_nothing(&self) -> Diagnostic {
         let message = "nothing is in front of the camera: all is background";
         let error = Diagnostic::new("", message).code("camera-sees-nothing");
-        let camera = self.description.cameras.first().zip(bounds(self.description));
+        let camera = self.description.cameras.first().zip(self.bounds());
         let angle = camera.and_then(|(camera, [lo, hi])| {
             let middle = (0.5 * (lo + hi) - camera.position).try_normalize()?;
             let forward = (camera.target - camera.position).try_normalize()?;

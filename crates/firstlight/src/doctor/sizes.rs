@@ -3,8 +3,8 @@
 use super::{Doctor, finding, quoted};
 use crate::color::Rgb;
 use crate::diagnostic::Diagnostic;
-use crate::scene::description::{Shape, Surface};
-use crate::scene::{bounds, light_middle};
+use crate::scene::description::Surface;
+use crate::scene::light_middle;
 use crate::units;
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -27,7 +27,7 @@ impl Doctor<'_> {
     fn millimetres(&self) -> Option<Diagnostic> {
         let scene = self.description;
         let local = scene.lights.iter().all(|light| light.light.position().is_some());
-        let size = bounds(scene).map(|[lo, hi]| (hi - lo).max_element())?;
+        let size = self.bounds().map(|[lo, hi]| (hi - lo).max_element())?;
         if !local || scene.lights.is_empty() || scene.environment.is_some() || size < LARGE {
             return None;
         }
@@ -72,20 +72,14 @@ impl Doctor<'_> {
         let scene = self.description;
         let inside = self.probes.seen().filter(|w| !w.front).map(|w| w.surface);
         let inside: std::collections::BTreeSet<_> = inside.collect();
-        let model =
-            |surface: &Surface| surface.name.split('/').next().unwrap_or_default().to_owned();
+        let model = |surface: &Surface| Some(surface.name.split_once('/')?.0.to_owned());
         let mut boxes = BTreeMap::<String, [DVec3; 2]>::new();
-        for (number, surface) in (0..).zip(&scene.surfaces) {
+        for ((number, surface), around) in (0..).zip(&scene.surfaces).zip(&self.boxes) {
             let shines = scene.materials[surface.material].emission.factor[..3] != [0.0; 3];
-            let Shape::Mesh(mesh) = surface.shape else { continue };
-            if shines || inside.contains(&number) || !surface.name.contains('/') {
-                continue;
-            }
-            let entry =
-                boxes.entry(model(surface)).or_insert([DVec3::INFINITY, DVec3::NEG_INFINITY]);
-            for corner in &scene.meshes[mesh].positions {
-                let at = surface.transform.transform_point3(corner.as_dvec3());
-                *entry = [entry[0].min(at), entry[1].max(at)];
+            let counts = !shines && !inside.contains(&number);
+            if let (true, Some(name), Some([lo, hi])) = (counts, model(surface), around) {
+                let entry = boxes.entry(name).or_insert([*lo, *hi]);
+                *entry = [entry[0].min(*lo), entry[1].max(*hi)];
             }
         }
         let sizes = boxes.into_iter().map(|(name, [lo, hi])| (name, (hi - lo).max_element()));

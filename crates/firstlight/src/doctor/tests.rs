@@ -505,4 +505,8 @@ fn every_code_is_tested() {
     let untested: Vec<_> = list.filter(|code| !tests.contains(&format!("\"{code}\","))).collect();
     assert!(untested.is_empty(), "{untested:?}");
     assert!(CODES.is_sorted(), "in the order of the alphabet");
+    let page = include_str!("../../../../docs/black-picture.md");
+    let untold: Vec<_> =
+        CODES.iter().filter(|(code, _)| !page.contains(&format!("`{code}`"))).collect();
+    assert!(untold.is_empty(), "{untold:?}");
 }

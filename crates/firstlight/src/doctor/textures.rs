@@ -7,6 +7,8 @@ use crate::scene::description::{
 };
 use std::collections::{BTreeMap, BTreeSet};
 
+/// Surfaces that are looked at before every render.
+const FEW_SURFACES: usize = 4096;
 /// Texels of a picture that are looked at, about.
 const TEXELS: usize = 1 << 16;
 /// How far the mean of normals may be from what it is compared with.
@@ -19,7 +21,8 @@ const SMALL: u32 = 16;
 
 /// Everything that is odd about pictures.
 pub(super) fn examine(scene: &SceneDescription, care: Care) -> Vec<Diagnostic> {
-    let mut found: Vec<_> = without_coordinates(scene).into_iter().collect();
+    let count = if care == Care::Quick { FEW_SURFACES } else { usize::MAX };
+    let mut found: Vec<_> = without_coordinates(scene, count).into_iter().collect();
     if care == Care::Thorough {
         found.extend(scene.materials.iter().filter_map(|material| normals(scene, material)));
         let mut roles = Roles::of(scene);
@@ -38,8 +41,8 @@ fn image_of(texture: &Texture) -> Option<(usize, usize)> {
 }
 
 /// The first mesh with a picture on it and no coordinates for it.
-fn without_coordinates(scene: &SceneDescription) -> Option<Diagnostic> {
-    let mut lost = scene.surfaces.iter().filter_map(|surface| {
+fn without_coordinates(scene: &SceneDescription, count: usize) -> Option<Diagnostic> {
+    let mut lost = scene.surfaces.iter().take(count).filter_map(|surface| {
         let Shape::Mesh(mesh) = surface.shape else { return None };
         let mesh = &scene.meshes[mesh];
         let material = &scene.materials[surface.material];

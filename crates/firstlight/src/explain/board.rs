@@ -29,8 +29,10 @@ pub struct Step {
     pub t_range: (f32, Option<f32>),
     /// What light along it is multiplied by on its way to the eye.
     pub throughput: [f32; 3],
-    /// What it met; nothing if it left the scene.
+    /// What it met; nothing if it left the scene, or was scattered on its way.
     pub met: Option<Met>,
+    /// After what distance fog scattered it, m; nothing if it did not.
+    pub scattered_after: Option<f32>,
     /// What came along it from there: emission, environment, background, ambient light, each with its source.
     pub gained: Vec<(String, [f32; 3])>,
     /// The lights there, the strongest first.
@@ -133,6 +135,8 @@ pub enum Verdict {
         by: String,
         /// How far from the point, m.
         distance: f32,
+        /// Where, m.
+        at: [f32; 3],
     },
     /// The light is below the horizon of the surface.
     FacesAway,
@@ -182,7 +186,11 @@ impl Board<'_> {
         let Followed { bounce, ray, hit, throughput, .. } = followed;
         let point = hit.is_some().then(|| Point::new(self.scene, ray, hit));
         let met = point.as_ref().map(|point| self.met(point, *bounce, ray));
-        let lights = point.map_or(Vec::new(), |point| self.lights(&point, *bounce));
+        let ended_in_fog = !hit.is_some() && ray.t_max.is_finite();
+        let lights = match ended_in_fog || point.is_some() {
+            true => self.lights(point.as_ref(), *bounce),
+            false => Vec::new(),
+        };
         let of_step = |gain: &&Gain| gain.sample == self.place && gain.bounce == *bounce;
         let gained = self.record.gains.iter().filter(of_step).filter(|gain| !gain.asked);
         let name = |gain: &Gain| (gain.source.name(self.description), gain.radiance.to_array());
@@ -192,6 +200,7 @@ impl Board<'_> {
             t_range: (ray.t_min, ray.t_max.is_finite().then_some(ray.t_max)),
             throughput: throughput.to_array(),
             met,
+            scattered_after: ended_in_fog.then_some(ray.t_max),
             gained: gained.map(name).collect(),
             lights,
         }
@@ -237,8 +246,8 @@ impl Board<'_> {
         ignored
     }
 
-    /// All lights at a point, the strongest first.
-    fn lights(&self, point: &Point, bounce: u32) -> Vec<Lighting> {
+    /// All lights at a point of a surface or in fog, the strongest first.
+    fn lights(&self, point: Option<&Point>, bounce: u32) -> Vec<Lighting> {
         let mut asked_of = BTreeMap::<Source, Vec<&Asked>>::new();
         for asked in &self.record.asked {
             if (asked.gain.sample, asked.gain.bounce) == (self.place, bounce) {
@@ -249,8 +258,10 @@ impl Board<'_> {
             asked_of.iter().map(|(source, all)| self.lighting(point, *source, all)).collect();
         let strength = |light: &Lighting| luminance(light.radiance.into());
         lights.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
-        let silent = self.sources().into_iter().filter(|source| !asked_of.contains_key(source));
-        lights.extend(silent.map(|source| self.silent(point, source, bounce)));
+        if let Some(point) = point {
+            let silent = self.sources().into_iter().filter(|source| !asked_of.contains_key(source));
+            lights.extend(silent.map(|source| self.silent(point, source, bounce)));
+        }
         lights.truncate(MOST_LIGHTS);
         lights
     }
@@ -269,17 +280,19 @@ impl Board<'_> {
     }
 
     /// A light that was asked once, or part by part.
-    fn lighting(&self, point: &Point, source: Source, asked: &[&Asked]) -> Lighting {
+    fn lighting(&self, point: Option<&Point>, source: Source, asked: &[&Asked]) -> Lighting {
         let gives = |asked: &&&Asked| luminance(asked.gain.radiance * asked.passed);
         let may_give = |asked: &&&Asked| luminance(asked.gain.radiance);
         let order = |a: &&&Asked, b: &&&Asked| {
             gives(a).total_cmp(&gives(b)).then(may_give(a).total_cmp(&may_give(b)))
         };
         let strongest = asked.iter().max_by(order).map_or(asked[0], |asked| asked);
-        let on_surface = |asked: &&Asked| asked.irradiance * point.cos(asked.incoming).abs();
+        // Fog faces all ways.
+        let cos = |asked: &Asked| point.map(|point| point.cos(asked.incoming));
+        let part = |asked: &Asked| cos(asked).map_or(1.0, f32::abs);
+        let on_surface = |asked: &&Asked| asked.irradiance * part(asked);
         let irradiance: Vec3 = asked.iter().map(on_surface).sum();
         let radiance: Vec3 = asked.iter().map(|asked| asked.gain.radiance * asked.passed).sum();
-        let cos = point.cos(strongest.incoming);
         let distance = strongest.ray.map(|ray| ray.t_max).filter(|distance| distance.is_finite());
         Lighting {
             source: source.name(self.description),
@@ -287,11 +300,11 @@ impl Board<'_> {
             distance,
             geometry_factor: distance.map(|distance| distance.powi(-2)),
             incoming: Some(strongest.incoming.to_array()),
-            cos: Some(cos),
+            cos: cos(strongest),
             irradiance: irradiance.to_array(),
             illuminance: photometric(irradiance, self.scene.luminous_efficacy().0),
             verdict: self.verdict(strongest),
-            bsdf: (strongest.scattered / cos.abs().max(f32::MIN_POSITIVE)).to_array(),
+            bsdf: (strongest.scattered / part(strongest).max(f32::MIN_POSITIVE)).to_array(),
             radiance: radiance.to_array(),
             share: self.share((source, strongest.gain.reflections)),
         }
@@ -301,7 +314,8 @@ impl Board<'_> {
         let Some(ray) = asked.ray else { return Verdict::Unshadowed };
         match stopped_by(self.scene, asked, &ray) {
             Some((surface, distance)) => {
-                Verdict::Blocked { by: Source::Surface(surface).name(self.description), distance }
+                let (by, at) = (Source::Surface(surface).name(self.description), ray.at(distance));
+                Verdict::Blocked { by, distance, at: at.to_array() }
             }
             None if asked.passed == Vec3::ONE => Verdict::Lit,
             None => Verdict::Tinted { passed: asked.passed.to_array() },

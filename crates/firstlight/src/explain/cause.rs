@@ -37,7 +37,10 @@ pub(super) struct Evidence<'a> {
 
 pub(super) fn cause(evidence: &Evidence<'_>) -> Cause {
     let first = evidence.path.first();
-    let Some(met) = first.and_then(|step| step.met.as_ref()) else { return evidence.nothing_met() };
+    let in_fog = first.is_some_and(|step| step.scattered_after.is_some());
+    let Some(met) = first.and_then(|step| step.met.as_ref()) else {
+        return if in_fog { evidence.lit("lit") } else { evidence.nothing_met() };
+    };
     let is_dark = evidence.shown.code.iter().all(|code| *code <= DARK);
     let is_cut_off = evidence.shown.display.iter().all(|value| *value >= 1.0);
     match () {

@@ -233,6 +233,12 @@ impl Film {
         Image::from_pixels(self.size[0], self.size[1], pixels)
     }
 
+    /// Variance of every pixel's luminance by the difference of its halves, row by row; pixels that only one half has
+    /// samples of have none.
+    pub(crate) fn variances(&self) -> Vec<Option<f64>> {
+        self.rows(|tile, index| tile.luminance(index).map(|(_, variance)| variance))
+    }
+
     /// Something about every pixel, row by row.
     pub(crate) fn rows<T: Clone + Default>(&self, of: impl Fn(&Tile, usize) -> T) -> Vec<T> {
         let mut rows = vec![T::default(); self.size[0] as usize * self.size[1] as usize];

@@ -207,7 +207,8 @@ impl<'a> Direct<'a> {
             surface.seen_width = self.scene.cone.after(hit.t).width;
             let material = self.scene.material(hit);
             let start = self.scene.shadow_start(&surface, &rays[ray]);
-            let (scattered, matte, number) = if material.is_matte() {
+            let is_plain = material.is_matte() && !material.has_relief();
+            let (scattered, matte, number) = if is_plain {
                 let reflectance = self.scene.evaluate(&material.reflectance, &surface).xyz();
                 (reflectance, reflectance * FRAC_1_PI, MATTE)
             } else {

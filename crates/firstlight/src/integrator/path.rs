@@ -4,6 +4,9 @@
 //! on in a direction picked by the BSDF. A light that both may find is weighted by how likely each is to find it (the
 //! balance heuristic; Veach 1997 §9.2), so that nothing is counted twice. Batches of paths go through the stages
 //! together, bounce by bounce; what one path gathers depends on no other.
+//!
+//! Unlike the lecture's sum, this is compiled once, not once per SIMD level: it is many branches and little arithmetic that would
+//! gain by it, and it is long. What it calls to trace is compiled for each.
 
 mod clarity;
 mod occlusion;
@@ -230,7 +233,7 @@ impl<'a> Path<'a> {
     }
 
     /// Goes on from the vertices of the first bounce until all paths have ended.
-    #[inline(always)]
+    #[inline(never)]
     fn follow(&self, points: &[PathPoints], scratch: &mut Scratch, recorder: &mut impl Recorder) {
         for bounce in 0..u32::MAX {
             if scratch.vertices.is_empty() {
@@ -246,7 +249,7 @@ impl<'a> Path<'a> {
     }
 
     /// Adds what comes along each ray, and makes vertices of the surfaces that were met.
-    #[inline(always)]
+    #[inline(never)]
     fn arrive(
         &self,
         bounce: u32,

@@ -56,7 +56,7 @@ impl ShadowRays {
 
     /// Traces the rays, and adds the light of those that nothing stops; panes tint it, media weaken it. The number tells repetitions of
     /// a ray apart where chance decides.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn settle(
         &mut self,
         scene: &Scene,

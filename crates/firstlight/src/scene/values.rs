@@ -46,7 +46,7 @@ impl Reader<'_> {
 
     fn number(&mut self, name: &'static str, scalar: &Scalar) {
         let value = self.scene.look_up(&scalar.texture, self.at, Role::Data)[scalar.channel];
-        self.values.push((name, vec![value]));
+        self.values.push((name, vec![scalar.meant(value)]));
     }
 
     /// A part that is added to the rest, unless it is nowhere.

@@ -69,6 +69,7 @@ impl<'a> Clarity<'a> {
     }
 
     /// What each of `rays` shows, one sample each by its `points`, into `scratch.samples`.
+    #[inline(never)]
     pub(crate) fn gather(
         &self,
         rays: &[Ray],
@@ -205,7 +206,8 @@ impl<'a> Clarity<'a> {
                 continue;
             }
             on_surface.push(walk.sample);
-            let at = scene.interaction(ray, hit);
+            let mut at = scene.interaction(ray, hit);
+            at.seen_width = walk.cone.after(hit.t).width;
             let (material, is_cut) = (scene.material(hit), self.section.is_some() && !at.front);
             let emitted = scene.emitted(material, &at);
             let color = match emitted.max_element() {

@@ -27,7 +27,7 @@ impl<'a> Occlusion<'a> {
 
     /// Openness, 0..1, of what each of `rays` meets, one sample each by its `points`, into `scratch.samples`; the
     /// background where it meets nothing.
-    #[inline(always)]
+    #[inline(never)]
     pub(crate) fn gather(
         &self,
         rays: &[Ray],

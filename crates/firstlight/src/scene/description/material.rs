@@ -110,6 +110,11 @@ impl Material {
         matches!(&self.scattering, Scattering::Matte { roughness } if roughness.is(0.0))
     }
 
+    /// Whether a picture bends its normals.
+    pub fn has_relief(&self) -> bool {
+        self.normal.is_some() || self.bump.is_some()
+    }
+
     /// Whether light passes it without being turned aside: panes of glass, which cast no shadow but their tint.
     pub fn is_pane(&self) -> bool {
         match &self.scattering {
