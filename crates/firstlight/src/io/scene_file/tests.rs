@@ -722,7 +722,9 @@ fn media_that_leave_out_light_are_warned_of() {
     assert!(sky.contains("no light of suns and skies"), "{sky}");
     let blind = warned(&format!("integrator = 'ambient_occlusion'\n{fog}"));
     assert!(blind.contains("media are left out"), "{blind}");
-    let none = warned(&format!("integrator = 'path'\n{fog}[lights.a.point]\npower = 1\nposition = [0, 0, 1]"));
+    let none = warned(&format!(
+        "integrator = 'path'\n{fog}[lights.a.point]\npower = 1\nposition = [0, 0, 1]"
+    ));
     assert_eq!(none, "");
 }
 
