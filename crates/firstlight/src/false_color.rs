@@ -225,7 +225,7 @@ mod tests {
         let image = false_color(&vec![100.0; 320 * 200], [320, 200], &scale);
         let color = image.get(5, 100);
         assert_eq!(color, ColorMap::Viridis.color(0.5));
-        let column: Vec<_> = (0..200).map(|y| image.get(320 - 42 + 6, y)).collect();
+        let column: Vec<_> = (0..200).map(|y| image.get(320 - 52 + 9, y)).collect();
         let near = column.iter().position(|c| c.distance(color) < 0.02);
         assert!(near.is_some_and(|y| (90..130).contains(&y)), "{near:?}");
         let small = false_color(&[1.0; 4], [2, 2], &scale);
