@@ -105,7 +105,7 @@ fn film_reflectance(cos: f32, index: f32, thickness: f32, below: Rgb) -> Rgb {
     let r23 = base_index.map(|base| schlick(normal_reflectance(base / index), cos_film));
     let phi = base_index.map(|base| phi21 + if base < index { PI } else { 0.0 });
     let path_difference = 2.0 * index * thickness * cos_film;
-    let r123 = (r12 * r23).clamp(Rgb::splat(1e-5), Rgb::splat(0.9999));
+    let r123 = (r12 * r23).clamp(Rgb::ZERO, Rgb::splat(0.9999));
     let rs = t121 * t121 * r23 / (1.0 - r123);
     let mut sum = r12 + rs;
     let mut amplitude = rs - t121;
