@@ -26,7 +26,7 @@ fn a_render_says_before_and_after_what_is_wrong_each_once() {
     ran.fails(3, &["light \"lamp\": nothing", "it is all black", "shadow rays hit \"roof\""]);
     assert_eq!(ran.stderr.matches("[light-blocked]").count(), 1, "{}", ran.stderr);
     assert!(folder.path("a.png").exists());
-    folder.run(&format!("{line}0.3}}")).done();
+    folder.run(&format!("{line}0.3}} --spp 16")).done();
 }
 
 #[test]

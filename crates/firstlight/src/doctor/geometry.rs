@@ -74,8 +74,19 @@ impl Doctor<'_> {
         };
         let (rays, mut hits) = (seen.iter().map(beyond).collect::<Vec<_>>(), Vec::new());
         self.scene.world.closest_hits(&rays, &SeenByCamera(self.scene, 0), &mut hits);
-        let both = seen.iter().zip(&hits).filter(|(_, hit)| hit.is_some());
-        both.map(|(probe, hit)| [probe.hit.surface, hit.surface]).collect()
+        let both = seen.iter().zip(&rays).zip(&hits).filter(|(_, hit)| hit.is_some());
+        let both = both.filter(|((probe, ray), hit)| {
+            let behind = self.scene.interaction(ray, hit).geometric_normal;
+            is_parallel(self.normal(probe), behind)
+        });
+        both.map(|((probe, _), hit)| (probe, hit))
+            .map(|(probe, hit)| [probe.hit.surface, hit.surface])
+            .collect()
+    }
+
+    /// The normal of what a ray has met.
+    fn normal(&self, Probe { ray, hit, .. }: &Probe) -> Vec3 {
+        self.scene.interaction(ray, hit).geometric_normal
     }
 
     /// Pairs of surfaces that a ray meets at the very same distance, one of which has a formula to ask.
@@ -87,12 +98,24 @@ impl Doctor<'_> {
         });
         let mut pairs = Vec::new();
         for (number, shape) in analytic.take(FEW_SHAPES) {
-            for Probe { ray, hit, .. } in seen.iter().filter(|probe| probe.hit.surface != number) {
+            for probe in seen.iter().filter(|probe| probe.hit.surface != number) {
+                let Probe { ray, hit, .. } = probe;
                 let point = ray.origin.as_dvec3() + f64::from(hit.t) * ray.direction.as_dvec3();
                 let near = f64::from(SAME_PLACE * hit.t);
-                let crossed = || shape.crossings(ray).any(|(t, _)| t as f32 == hit.t);
+                let normal = self.normal(probe);
+                let crossed = || {
+                    shape.crossings(ray).any(|(t, part)| {
+                        let other = || shape.point(ray, t, part).normal.as_vec3();
+                        t as f32 == hit.t && is_parallel(normal, other())
+                    })
+                };
                 let mut triangles = (0..shape.triangle_count()).map(|i| shape.triangle(i));
-                if crossed() || triangles.any(|triangle| contains(&triangle, point, near)) {
+                let in_triangle = |triangle: [Vec3; 3]| {
+                    let [a, b, c] = triangle;
+                    is_parallel(normal, (b - a).cross(c - a).normalize_or_zero())
+                        && contains(&triangle, point, near)
+                };
+                if crossed() || triangles.any(in_triangle) {
                     pairs.push([hit.surface, number]);
                 }
             }
@@ -199,6 +222,11 @@ impl Doctor<'_> {
             _ => None,
         }
     }
+}
+
+/// Whether two unit normals are those of planes that lie in each other: surfaces that meet at an edge do not.
+fn is_parallel(a: Vec3, b: Vec3) -> bool {
+    a.dot(b).abs() > 0.999
 }
 
 /// Whether a point lies in a triangle, or off its plane by no more than `near`, m.

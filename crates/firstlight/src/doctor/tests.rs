@@ -293,6 +293,17 @@ fn surfaces_in_each_other() {
         )
     };
     texts_told_apart("surfaces-coincide", &["up to rounding"], &table(0.0), &table(0.01));
+    // Walls that meet in the diagonals of the picture, where probes hit their edges.
+    let corner = "
+        film.resolution = [64, 64]
+        camera.perspective = { position = [0, -3.8, 1], target = [0, 0, 1], fov = 40 }
+        materials.red.lambert.reflectance = 0.6
+        surfaces.ceiling.quad = { corner = [-1, -1, 2], edge_u = [2, 0, 0], edge_v = [0, 2, 0] }
+        surfaces.left.quad = { corner = [-1, -1, 0], edge_u = [0, 2, 0], edge_v = [0, 0, 2] }
+        surfaces.left.material = 'red'
+        lights.lamp.point = { position = [0, 0, 1], power = 100 }
+    ";
+    texts_told_apart("surfaces-coincide", &["up to rounding"], &table(0.0), corner);
     let twice = |x: f32| {
         format!(
             "{SCENE}[instances.copy]\nof = 'ball'\ntransform = [{{ translate = [{x}, 0, 0] }}]\n"
