@@ -46,7 +46,7 @@ pub(crate) struct Clarity<'a> {
 /// What there is to compare of what two rays meet.
 #[derive(Clone, Copy)]
 struct Mark {
-    /// [`Hit::NONE`]'s if nothing is met.
+    /// The number of what was met; that of [`Hit::none`] if nothing was.
     surface: u32,
     /// Whether the inside is seen, where a section has opened it.
     cut: bool,
