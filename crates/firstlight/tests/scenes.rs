@@ -1,16 +1,13 @@
 //! Scene files, from their text to the light they describe.
 
-use firstlight::io::scene_file;
-use firstlight::{FileAccess, Ray, Scene, SceneDescription};
+mod common;
+
+use firstlight::{Ray, Scene, SceneDescription};
 use glam::{DVec3, Vec3};
 use std::path::Path;
 
 fn read(text: &str) -> SceneDescription {
-    let access = FileAccess::beside(Path::new("scene.toml"), &[]);
-    let scene = scene_file::read(text, "scene.toml", &[], &access, &mut Vec::new());
-    let scene = scene.unwrap_or_else(|error| panic!("{error}"));
-    scene.check().expect("what was read is sound");
-    scene
+    common::read(Path::new("scene.toml"), text, &[])
 }
 
 fn seen(text: &str, from: Vec3, to: Vec3) -> Vec3 {

@@ -65,6 +65,9 @@ impl Media {
     /// What fills the space there, if anything does.
     #[inline(always)]
     pub(super) fn medium(&self, scene: &Scene) -> Option<Medium> {
+        if self.count == 0 {
+            return scene.medium;
+        }
         self.interior(scene).map(Interior::medium).or(scene.medium)
     }
 

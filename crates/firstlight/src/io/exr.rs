@@ -131,6 +131,19 @@ fn read_grey(bytes: &[u8], channel: Text) -> exr::error::Result<Canvas> {
     Ok(image.layer_data.channel_data.pixels)
 }
 
+/// All channels of the first layer of a file.
+pub(super) fn first_layer(bytes: &[u8]) -> exr::error::Result<Layer<AnyChannels<FlatSamples>>> {
+    let image = read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .first_valid_layer()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(Cursor::new(bytes))?;
+    Ok(image.layer_data)
+}
+
 /// ITU-R BT.709 with D65 white.
 const REC_709: Chromaticities = Chromaticities {
     red: Vec2(0.64, 0.33),

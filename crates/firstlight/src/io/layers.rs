@@ -2,16 +2,13 @@
 
 use super::Limits;
 use super::access::{read_file, shown};
-use super::exr::{attributes, check_blocks, plane, to_file, utf8};
+use super::exr::{attributes, check_blocks, first_layer, plane, to_file, utf8};
 use super::pixels::{Input, guarded, unreadable};
 use super::save::{Develop, Metadata, Precision};
 use crate::Image;
 use crate::diagnostic::{Diagnostic, Result};
 use crate::layers::{Channel, Plane};
-use exr::prelude::{
-    AnyChannel, AttributeValue, FlatSamples, MetaData, ReadChannels, ReadLayers, Vec2, read,
-};
-use std::io::Cursor;
+use exr::prelude::{AnyChannel, AttributeValue, FlatSamples, MetaData, Vec2};
 use std::path::Path;
 
 /// Encodes a picture with more channels, all in 32 bits, and more attributes: names and texts.
@@ -100,16 +97,7 @@ fn decode(input: &Input) -> Result<LayerFile> {
         let bytes = 4 * header.channels.list.len() as u64;
         let _ = input.room_for(width as u64, height as u64, bytes)?;
     }
-    let image = read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .first_valid_layer()
-        .all_attributes()
-        .non_parallel()
-        .from_buffered(Cursor::new(input.bytes))
-        .map_err(|e| unreadable(input, &e))?;
-    let layer = image.layer_data;
+    let layer = first_layer(input.bytes).map_err(|e| unreadable(input, &e))?;
     let exposure = layer.attributes.other.get(&utf8("exposureEV"));
     let exposure_ev = exposure.and_then(|value| match value {
         AttributeValue::F32(ev) => Some(*ev),

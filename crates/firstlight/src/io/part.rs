@@ -4,19 +4,15 @@
 //! channels of whole numbers, and it says in an attribute what it is a part of.
 
 use super::access::{read_file, shown};
-use super::exr::{check_blocks, plane, to_file, utf8};
+use super::exr::{check_blocks, first_layer, plane, to_file, utf8};
 use super::pixels::{Input, guarded, unreadable};
 use super::{Limits, Precision};
 use crate::color::View;
 use crate::diagnostic::{Diagnostic, Result};
 use crate::film::{Film, Pixel};
 use crate::scene::description::FilmDescription;
-use exr::prelude::{
-    AnyChannel, AttributeValue, FlatSamples, LayerAttributes, MetaData, ReadChannels, ReadLayers,
-    read,
-};
+use exr::prelude::{AnyChannel, AttributeValue, FlatSamples, LayerAttributes, MetaData};
 use serde::{Deserialize, Serialize};
-use std::io::Cursor;
 use std::path::Path;
 
 /// Some samples of a picture.
@@ -121,15 +117,7 @@ fn decode(input: &Input) -> Result<Part> {
 
 /// The channels of sums, in order, if they are all there.
 fn sums(bytes: &[u8]) -> exr::error::Result<Option<Vec<Vec<u32>>>> {
-    let image = read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .first_valid_layer()
-        .all_attributes()
-        .non_parallel()
-        .from_buffered(Cursor::new(bytes))?;
-    let channels = image.layer_data.channel_data.list;
+    let channels = first_layer(bytes)?.channel_data.list;
     let plane = |index| {
         let channel =
             channels.iter().find(|channel| channel.name == *channel_name(index).as_str())?;

@@ -199,8 +199,7 @@ impl LightLayers {
     pub fn channels(&self, description: &SceneDescription, wanted: &[Layer]) -> Vec<Channel> {
         let wants = |layer| wanted.contains(&layer);
         let mut channels = Vec::new();
-        for (part, layer, name) in Part::ALL.into_iter().filter(|(_, layer, _)| wants(*layer)) {
-            let _ = layer;
+        for (part, _, name) in Part::ALL.into_iter().filter(|(_, layer, _)| wants(*layer)) {
             channels.extend(self.rgb(name, |sums| sums.parts[part as usize] / sums.weight));
         }
         if wants(Layer::Light) {

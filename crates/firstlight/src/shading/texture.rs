@@ -41,6 +41,7 @@ impl Spot {
 }
 
 /// RGBA of `texture` at a spot (of the coordinates that the texture uses); colours are linear.
+#[inline(always)]
 pub(crate) fn evaluate(
     texture: &Texture,
     pictures: &[Picture],
@@ -48,7 +49,18 @@ pub(crate) fn evaluate(
     color: [f32; 4],
     role: Role,
 ) -> Vec4 {
-    let pattern = match &texture.pattern {
+    let pattern = match texture.pattern {
+        Pattern::Constant => Vec4::ONE,
+        _ => patterned(texture, pictures, spot, role),
+    };
+    let vertex = if texture.vertex_colors { Vec4::from_array(color) } else { Vec4::ONE };
+    Vec4::from_array(texture.factor) * pattern * vertex
+}
+
+/// What varies over the surface.
+#[inline(never)]
+fn patterned(texture: &Texture, pictures: &[Picture], spot: Spot, role: Role) -> Vec4 {
+    match &texture.pattern {
         Pattern::Constant => Vec4::ONE,
         Pattern::Checker { colors, size } => mix(colors, odd_squares(spot, *size)),
         Pattern::Gradient { colors, from, to } => {
@@ -63,9 +75,7 @@ pub(crate) fn evaluate(
             };
             pictures[*image].look_up(placed, *wrap, *sampling, role)
         }
-    };
-    let vertex = if texture.vertex_colors { Vec4::from_array(color) } else { Vec4::ONE };
-    Vec4::from_array(texture.factor) * pattern * vertex
+    }
 }
 
 fn mix(colors: &[[f32; 4]; 2], part: f32) -> Vec4 {

@@ -59,6 +59,11 @@ impl Reading {
     }
 }
 
+/// The ray from `origin` to `target`.
+fn toward(origin: DVec3, target: DVec3) -> Ray {
+    Ray::new(origin.as_vec3(), (target - origin).normalize().as_vec3())
+}
+
 impl Readings {
     /// Independent repetitions of a measurement of any kind.
     pub(super) const REPETITIONS: u64 = 16;
@@ -129,7 +134,7 @@ impl Readings {
         target: DVec3,
         expected: f64,
     ) {
-        let ray = Ray::new(origin.as_vec3(), (target - origin).normalize().as_vec3());
+        let ray = toward(origin, target);
         self.meter(at, |samples| Meter::new(scene).samples(samples).radiance(&ray), expected);
     }
 
@@ -143,7 +148,7 @@ impl Readings {
         target: DVec3,
         expected: f64,
     ) {
-        let ray = Ray::new(origin.as_vec3(), (target - origin).normalize().as_vec3());
+        let ray = toward(origin, target);
         let measure = |samples| Meter::new(scene).samples(samples).radiance(&ray);
         let allowed = self.tolerance.of(expected);
         self.meter_to(at, measure, |_| allowed / 4.0, expected);
