@@ -1,7 +1,7 @@
 //! From film points to rays.
 
 use crate::geometry::{Cone, Ray};
-use crate::math::tangents;
+use crate::math::{BLOCK, Columns, tangents};
 use crate::scene::description::{CameraDescription, Projection};
 use glam::{DVec3, Vec2, Vec3};
 use std::f32::consts::TAU;
@@ -74,15 +74,44 @@ impl Camera {
     /// numbers in 0..1 that are spread evenly over its area.
     #[inline(always)]
     pub fn ray(&self, film: Vec2, lens: Vec2) -> Ray {
+        let (origin, toward) = self.aim(film, lens);
+        Ray::new(origin, toward.normalize())
+    }
+
+    /// The rays through points of the film, and of the lens if that [matters](Camera::has_lens), as [`Camera::ray`] has
+    /// them; replaces what is in `rays`.
+    #[inline(always)]
+    pub(crate) fn rays(&self, film: &[Vec2], lens: &[Vec2], rays: &mut Vec<Ray>) {
+        rays.clear();
+        let mut toward = Columns::<f32>::default();
+        for (block, film) in film.chunks(BLOCK).enumerate() {
+            let first = rays.len();
+            for (k, &film) in film.iter().enumerate() {
+                let lens = lens.get(block * BLOCK + k).copied().unwrap_or_default();
+                let (origin, direction) = self.aim(film, lens);
+                toward.set(k, direction);
+                rays.push(Ray::new(origin, direction));
+            }
+            for k in 0..BLOCK {
+                toward.set(k, toward.get(k).normalize());
+            }
+            for (k, ray) in rays[first..].iter_mut().enumerate() {
+                ray.direction = toward.get(k);
+            }
+        }
+    }
+
+    /// Where the ray through a point of the film and one of the lens starts, and a direction of any length.
+    #[inline(always)]
+    fn aim(&self, film: Vec2, lens: Vec2) -> (Vec3, Vec3) {
         let across = self.corner + film.x * self.pixel_right + film.y * self.pixel_down;
         let position = self.position.as_vec3();
         match self.lens {
-            Lens::Parallel => Ray::new((self.position + across.as_dvec3()).as_vec3(), self.forward),
-            Lens::Pinhole => Ray::new(position, (self.forward + across).normalize()),
+            Lens::Parallel => ((self.position + across.as_dvec3()).as_vec3(), self.forward),
+            Lens::Pinhole => (position, self.forward + across),
             Lens::Thin { radius, focus } => {
                 let shift = radius * self.on_lens(lens);
-                let to_focus = (self.forward + across) * focus - shift;
-                Ray::new(position + shift, to_focus.normalize())
+                (position + shift, (self.forward + across) * focus - shift)
             }
         }
     }
