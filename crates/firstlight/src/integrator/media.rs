@@ -71,12 +71,13 @@ impl Media {
         self.interior(scene).map(Interior::medium).or(scene.medium)
     }
 
-    /// The solids around a point, m. Only clouds have to be known before they are left.
+    /// The solids around a point, m. They have to be known before they are left: what is met inside of them is seen through
+    /// them.
     pub(super) fn around(scene: &Scene, point: Vec3) -> Self {
         let (mut found, mut entered) = (Vec::new(), Self::default());
         let mut ray = Ray::new(point, SOMEWHERE.normalize());
         let mut hits = Vec::new();
-        for _ in 0..if scene.is_cloudy { MOST_AROUND } else { 0 } {
+        for _ in 0..if scene.has_solids { MOST_AROUND } else { 0 } {
             scene.world.closest_hits(&[ray], &Everything, &mut hits);
             let Some(hit) = hits.first().filter(|hit| hit.is_some()) else { break };
             let at = scene.interaction(&ray, hit);

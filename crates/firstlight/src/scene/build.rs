@@ -61,7 +61,7 @@ impl Scene {
             material_of,
             materials: description.materials.clone(),
             has_panes: description.materials.iter().any(Material::passes_light),
-            is_cloudy: description.materials.iter().any(Material::is_cloudy),
+            has_solids: description.materials.iter().any(|material| material.interior.is_some()),
             medium: description.medium,
             cone: camera.cone(film.samples),
             pictures: description.images.iter().cloned().map(Picture::new).collect(),

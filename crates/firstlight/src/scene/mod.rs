@@ -39,8 +39,8 @@ pub struct Scene {
     pub(crate) materials: Vec<Material>,
     /// Whether any of them lets shadow rays pass.
     pub(crate) has_panes: bool,
-    /// Whether any of them encloses what scatters light.
-    pub(crate) is_cloudy: bool,
+    /// Whether any of them encloses what light can be in.
+    pub(crate) has_solids: bool,
     /// What is everywhere where no solid is.
     pub(crate) medium: Option<Medium>,
     pub(crate) pictures: Vec<Picture>,

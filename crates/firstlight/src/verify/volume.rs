@@ -16,6 +16,12 @@ pub(super) const CASES: &[Case] = &[
         m16,
     ),
     Case::sampled(
+        "M17-eye-inside",
+        "a wall 2 m away in what absorbs 0.7 per metre, and behind a slab of glass in glass, with the eye in there too",
+        "Beer 1852: exp(-σ d); where the index does not change, nothing is reflected",
+        m17,
+    ),
+    Case::sampled(
         "V01-semi-infinite-isotropic",
         "all that is below a plane scatters to all sides alike, with an albedo of 0.9",
         "Chandrasekhar 1950: H functions",
@@ -31,6 +37,24 @@ fn m16(readings: &mut Readings) {
     add(&mut scene, cube(DVec3::ZERO, 2.0));
     let scene = Scene::build(&scene);
     readings.radiance("", &scene, v(0.0, -5.0, 0.0), DVec3::ZERO, (-1.4_f64).exp());
+}
+
+/// What a wall of radiance 1 sends to an eye that is with it in a solid, of which another one may be in between.
+fn m17(readings: &mut Readings) {
+    let around = |solid: Material| {
+        let mut scene = scene_for_paths(0.0);
+        scene.materials[0] = solid;
+        add(&mut scene, cube(DVec3::ZERO, 8.0));
+        add_with(&mut scene, quad(v(-1.0, 2.0, -1.0), 2.0 * DVec3::X, 2.0 * DVec3::Z), 1);
+        scene
+    };
+    let smoke = around(clear(1.3, Rgb::splat(0.7)));
+    let mut glass = around(clear(1.5, Rgb::ZERO));
+    glass.materials.push(clear(1.5, Rgb::ZERO));
+    add_with(&mut glass, cube(DVec3::Y, 0.5), 3);
+    for (at, scene, expected) in [("smoke", smoke, (-1.4_f64).exp()), ("glass", glass, 1.0)] {
+        readings.radiance(at, &Scene::build(&scene), DVec3::ZERO, DVec3::Y, expected);
+    }
 }
 
 /// Chandrasekhar's H function of isotropic scattering, by its integral equation in the form that converges fast:

@@ -131,14 +131,14 @@ impl Reader<'_, '_, '_> {
         Ok(Material {
             reflectance,
             emission,
-            scattering,
             normal: match unlit {
                 true => None,
                 false => self.normal(material.normal_texture.as_deref(), "normalTexture")?,
             },
-            interior: if unlit { None } else { interior(extensions) },
+            interior: interior(extensions).filter(|_| scattering.lets_in()),
             alpha: self.alpha(material)?,
             double_sided: material.double_sided,
+            scattering,
             ..matte
         })
     }
@@ -451,7 +451,7 @@ fn uv_transform(info: &TextureInfo) -> UvTransform {
     flip * down * flip
 }
 
-/// KHR_materials_volume: what is inside, if the surface has one.
+/// KHR_materials_volume: what is inside, if the surface has one that light gets into.
 fn interior(extensions: &MaterialExtensions) -> Option<Interior> {
     let volume = extensions.volume.as_ref()?;
     volume.thickness_factor.filter(|thickness| thickness.0 > 0.0)?;

@@ -43,8 +43,8 @@ pub(super) struct Builder<'a> {
     placed: IndexMap<String, Range<usize>>,
 }
 
-/// A model file, its variant, and the units of its lights.
-type ModelKey = (PathBuf, Option<String>, Option<LightUnits>);
+/// A model file, its variant, the units of its lights, and the bits of its unit of length, m.
+type ModelKey = (PathBuf, Option<String>, Option<LightUnits>, u64);
 
 /// Builds the scene that is written in `keys`.
 pub(super) fn build(
@@ -240,8 +240,7 @@ impl Builder<'_> {
         self.check_visible(part, &keys.file.span, warnings)?;
         let own = transform::compose(keys.transform.as_ref(), self.document)?;
         let stand = upright(keys.up.unwrap_or(format.up()), self.up);
-        let scale = keys.unit.map_or(1.0, |unit| unit.0);
-        let transform = own * stand * DAffine3::from_scale(DVec3::splat(scale));
+        let transform = own * stand * DAffine3::from_scale(DVec3::splat(keys.metres()));
         let start = self.scene.surfaces.len();
         let material = self.material(keys.material.as_ref())?;
         self.check_room(part.surfaces.len(), &span)?;
@@ -256,7 +255,8 @@ impl Builder<'_> {
         let variant = keys.variant.as_ref();
         let path = self.document.open(span, self.access.resolve(name))?;
         let real = path.canonicalize().unwrap_or_else(|_| path.clone());
-        let key = (real, variant.map(|variant| variant.value.clone()), keys.gltf_lights);
+        let variant = variant.map(|variant| variant.value.clone());
+        let key = (real, variant, keys.gltf_lights, keys.metres().to_bits());
         if !self.models.contains_key(&key) {
             let access = self.access.within(&path);
             let options = model::Options {
@@ -265,7 +265,10 @@ impl Builder<'_> {
                 luminous_efficacy: self.scene.luminous_efficacy,
             };
             let read = model::read_with_format(&path, options, &access, warnings);
-            let (model, format) = self.placed_where_named(span, read)?;
+            let (mut model, format) = self.placed_where_named(span, read)?;
+            for material in &mut model.materials {
+                material.interior = material.interior.map(|i| i.in_unit(keys.metres() as f32));
+            }
             let part = self.scene.adopt(model);
             self.models.insert(key.clone(), (part, format));
         }

@@ -198,8 +198,8 @@ PrincipledKeys {
     specular_color: Option<TextureKeys<Color>>,
     /// The part that is clear instead of matte. Default 0.
     transmission: Option<TextureKeys<Fraction>>,
-    /// Whether the surface is that of a solid instead of a thin sheet. Default false, unless one of the next four is
-    /// given.
+    /// Whether the surface is that of a solid instead of a thin sheet, if light passes it. Default false, unless one of the
+    /// next four is given.
     solid: Option<bool>,
     /// Colour that light has after `attenuation_distance` inside. Default white.
     attenuation_color: Option<Color>,
@@ -358,6 +358,7 @@ impl PrincipledKeys {
         let interior = interior!(self, ior);
         let scattering = Scattering::Principled(Box::new(self.parameters(ior, pictures)?));
         let material = self.finish(name, base_color, scattering, pictures)?;
+        let solid = solid && material.scattering.lets_in();
         Ok(Material { interior: solid.then_some(interior), ..material })
     }
 

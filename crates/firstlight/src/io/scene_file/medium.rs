@@ -61,12 +61,18 @@ written! {
 impl MediumKeys {
     pub(super) fn describe(self, document: &Document<'_>) -> Result<Medium> {
         let Self { absorption, scattering, extinction, albedo, g } = self;
-        let color = |key: Option<At<Color>>| key.map_or(Rgb::ZERO, |At { value: Color(c), .. }| c);
+        let color = |key: Option<At<Color>>| match key {
+            Some(At { value: Color(color), span }) if color.max_element() > Interior::DENSEST => {
+                let message = format!("must be at most {:e} per metre", Interior::DENSEST);
+                Err(document.error(&span, message))
+            }
+            key => Ok(key.map_or(Rgb::ZERO, |At { value: Color(color), .. }| color)),
+        };
         let anisotropy = g.map_or(0.0, |Asymmetry(g)| g as f32);
         let whole =
             extinction.as_ref().map(|key| &key.span).or(albedo.as_ref().map(|key| &key.span));
         let Some(span) = whole else {
-            let (absorption, scattering) = (color(absorption), color(scattering));
+            let (absorption, scattering) = (color(absorption)?, color(scattering)?);
             return Ok(Medium { absorption, scattering, anisotropy });
         };
         if absorption.is_some() || scattering.is_some() {
@@ -74,8 +80,15 @@ impl MediumKeys {
             let help = "give absorption and scattering, or extinction and albedo";
             return Err(document.error(span, message).help(help).into());
         }
+        if extinction.is_none() {
+            let message = "is a part of the extinction, and there is none";
+            return Err(document
+                .error(span, message)
+                .help("add extinction: what is lost per metre")
+                .into());
+        }
         let albedo = albedo.map_or(Rgb::ONE, |At { value, .. }| value.rgb());
-        let extinction = color(extinction);
+        let extinction = color(extinction)?;
         let scattering = extinction * albedo;
         Ok(Medium { absorption: extinction - scattering, scattering, anisotropy })
     }

@@ -213,6 +213,13 @@ struct ModelKeys {
     transform: Option<At<Vec<Step>>>,
 }
 
+impl ModelKeys {
+    /// The length of 1 in the file, m.
+    fn metres(&self) -> f64 {
+        self.unit.map_or(1.0, |unit| unit.0)
+    }
+}
+
 /// The surfaces of a surface or model once more (not its lights).
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

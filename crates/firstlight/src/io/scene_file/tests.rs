@@ -8,6 +8,15 @@ use glam::{DVec3, Vec2};
 use std::f64::consts::PI;
 use std::path::Path;
 
+/// A triangle of glass that leaves half of the light after 2.
+const GLASS: &str = r#"{ "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": [0] }], "nodes": [{ "mesh": 0 }],
+    "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "material": 0 }] }],
+    "materials": [{ "extensions": { "KHR_materials_transmission": { "transmissionFactor": 1 }, "KHR_materials_volume": {
+        "thicknessFactor": 1, "attenuationDistance": 2, "attenuationColor": [0.5, 0.5, 0.5] } } }],
+    "accessors": [{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0] }],
+    "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
+    "buffers": [{ "byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA" }] }"#;
+
 fn scene_with(text: &str, overrides: &[&str]) -> Result<SceneDescription> {
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str| folder.path().join(name);
@@ -16,6 +25,7 @@ fn scene_with(text: &str, overrides: &[&str]) -> Result<SceneDescription> {
     let lamp = "TILT=NONE\n1 1000 1 2 1 1 2 0 0 0\n1 1 20\n0 180\n0\n100 100\n";
     std::fs::write(file("lamp.ies"), lamp).unwrap();
     std::fs::write(file("bad.ies"), lamp.replace("1000", "many")).unwrap();
+    std::fs::write(file("glass.gltf"), GLASS).unwrap();
     let access = FileAccess::beside(&file("scene.toml"), &[]);
     let overrides = overrides.iter().map(|o| o.parse()).collect::<Result<Vec<_>>>()?;
     read(text, "scene.toml", &overrides, &access, &mut Warnings::new())
@@ -53,6 +63,33 @@ fn the_examples_of_the_reference_are_scenes() {
     }
     let first = std::fs::read_to_string(folder.join("scenes/first.toml")).unwrap();
     assert_eq!(examples[0], first);
+}
+
+/// Of one file in two units, and larger by its transform: that changes the shape, not what it is made of.
+#[test]
+fn what_models_absorb_is_in_their_unit() {
+    let scene = scene(
+        "models.m = { file = 'glass.gltf' }
+         models.mm = { file = 'glass.gltf', unit = 'mm', transform = [{ scale = 10 }] }",
+    );
+    let absorbed = |name: &str| {
+        let surface = scene.surfaces.iter().find(|s| s.name.starts_with(name)).unwrap();
+        f64::from(scene.materials[surface.material].interior.unwrap().absorption.x)
+    };
+    let per_length = 0.5 * 2.0_f64.ln();
+    assert!((absorbed("m/") / per_length - 1.0).abs() < 1e-6);
+    assert!((absorbed("mm/") / (1000.0 * per_length) - 1.0).abs() < 1e-6);
+}
+
+#[test]
+fn solids_of_principled_are_those_that_light_gets_into() {
+    let is_solid = |keys: &str| {
+        let text = format!("materials.m.principled = {{ attenuation_color = 'red', {keys} }}");
+        scene(&text).materials.iter().any(|material| material.interior.is_some())
+    };
+    assert!(!is_solid("solid = true"));
+    assert!(is_solid("transmission = 0.5"));
+    assert!(is_solid("diffuse_transmission = 0.5"));
 }
 
 #[test]
@@ -703,6 +740,11 @@ fn media_are_written_in_two_ways() {
         ("medium = { scattering = -1 }", "0 or more"),
         ("medium = { g = 1 }", "medium.g must be from -0.999 to 0.999"),
         ("medium = { albedo = 2 }", "from 0 to 1"),
+        (
+            "medium = { albedo = 0.5 }",
+            "medium.albedo is a part of the extinction, and there is none",
+        ),
+        ("medium = { absorption = 3e38, scattering = 3e38 }", "at most 1e30 per metre"),
     ] {
         let told = complaint(wrong);
         assert!(told.contains(words), "{told}");

@@ -134,6 +134,17 @@ impl Material {
         self.is_pane() || smooth && self.interior.as_ref().is_some_and(|interior| !bends(interior))
     }
 
+    /// How much of it is covered by varnish, if any is.
+    pub(crate) fn coat(&self) -> Option<&Scalar> {
+        let Scattering::Principled(p) = &self.scattering else { return None };
+        Some(&p.clearcoat).filter(|coat| !coat.is(0.0))
+    }
+
+    /// Whether it hides all that is behind it.
+    pub fn is_opaque(&self) -> bool {
+        self.alpha == Alpha::Opaque && self.interior.is_none() && !self.is_pane()
+    }
+
     /// Whether what it encloses scatters light.
     pub fn is_cloudy(&self) -> bool {
         self.interior.is_some_and(|interior| interior.scattering != Rgb::ZERO)
@@ -145,6 +156,8 @@ impl Material {
         match &self.scattering {
             Scattering::Matte { .. } => false,
             Scattering::Principled(p) => !p.metallic.is(0.0) || !p.transmission.is(0.0),
+            // The bounds of fog.
+            Scattering::Dielectric { .. } => !self.passes_light(),
             _ => true,
         }
     }
@@ -152,6 +165,25 @@ impl Material {
     /// All its textures.
     pub fn textures(&self) -> Vec<&Texture> {
         texture_list!(self, iter, &)
+    }
+
+    /// Those of them that hold colours, or of which alpha alone is read, for which colours leave room.
+    pub fn color_textures(&self) -> Vec<&Texture> {
+        const ALPHA: usize = 3;
+        let mut colors = vec![&self.reflectance, &self.emission];
+        colors.extend(&self.ambient_reflectance);
+        match &self.scattering {
+            Scattering::Mirror { mirrored } => colors.push(mirrored),
+            Scattering::Principled(p) => {
+                colors.extend([&p.specular_color, &p.diffuse_transmission_color, &p.sheen_color]);
+                let numbers =
+                    [&p.specular, &p.diffuse_transmission, &p.sheen_roughness, &p.facets.roughness];
+                let beside = numbers.into_iter().filter(|scalar| scalar.channel == ALPHA);
+                colors.extend(beside.map(|scalar| &scalar.texture));
+            }
+            _ => {}
+        }
+        colors
     }
 
     /// All its textures, to be changed.
@@ -199,6 +231,16 @@ pub enum Scattering {
         /// The part of the second, 0..1.
         amount: Scalar,
     },
+}
+
+impl Scattering {
+    /// Whether light gets through the surface, so that it matters what is behind it.
+    pub(crate) fn lets_in(&self) -> bool {
+        match self {
+            Self::Principled(p) => !p.transmission.is(0.0) || !p.diffuse_transmission.is(0.0),
+            other => matches!(other, Self::Dielectric { .. } | Self::ThinGlass { .. }),
+        }
+    }
 }
 
 /// Index of refraction of a metal, n + ik per colour channel.
@@ -278,10 +320,21 @@ impl Interior {
     /// Nearer to 1 than this, a ratio of indices turns no light aside.
     pub(crate) const NOTHING: f32 = 1e-4;
 
+    /// What is lost per length, at most, m⁻¹: sums and products of it stay finite.
+    pub(crate) const DENSEST: f32 = 1e30;
+
     /// Clear, of this index.
     pub fn clear(index: f32) -> Self {
         let (absorption, scattering) = (Rgb::ZERO, Rgb::ZERO);
         Self { index, dispersion: 0.0, absorption, scattering, anisotropy: 0.0, priority: 0 }
+    }
+
+    /// The same where lengths were written in a unit of so many metres.
+    pub(crate) fn in_unit(self, metres: f32) -> Self {
+        let Self { absorption, scattering, .. } = self;
+        let per_metre = |amount: Rgb| (amount / metres).min(Rgb::splat(Self::DENSEST));
+        let (absorption, scattering) = (per_metre(absorption), per_metre(scattering));
+        Self { absorption, scattering, ..self }
     }
 
     /// What it does to light on its way.
@@ -300,7 +353,7 @@ impl Interior {
     /// What has to be absorbed per length, m⁻¹, so that white light has this colour after `distance`, m. What would be
     /// black is as good as that.
     pub fn absorption(color: Rgb, distance: f32) -> Rgb {
-        color.map(|channel| (-channel.clamp(1e-9, 1.0).ln() / distance).max(0.0))
+        color.map(|channel| (-channel.clamp(1e-9, 1.0).ln() / distance).clamp(0.0, Self::DENSEST))
     }
 }
 

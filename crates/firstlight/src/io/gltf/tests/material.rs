@@ -92,6 +92,21 @@ fn what_is_not_written_is_what_gltf_says() {
     assert_eq!(material.interior, None);
 }
 
+/// As KHR_materials_volume has it: only with an extension that lets light in.
+#[test]
+fn what_lets_no_light_in_has_nothing_inside() {
+    let volume = json!({ "thicknessFactor": 0.1, "attenuationColor": [1, 0.5, 0.25] });
+    let with = |name: &str, keys: Value| {
+        let extensions =
+            json!({ "KHR_materials_volume": volume, format!("KHR_materials_{name}"): keys });
+        material(json!({ "extensions": extensions })).interior.is_some()
+    };
+    assert!(!with("specular", json!({})));
+    assert!(!with("transmission", json!({ "transmissionFactor": 0 })));
+    assert!(with("transmission", json!({ "transmissionFactor": 0.1 })));
+    assert!(with("diffuse_transmission", json!({ "diffuseTransmissionFactor": 0.1 })));
+}
+
 #[test]
 fn all_ratified_extensions_are_read() {
     let material = material(json!({
