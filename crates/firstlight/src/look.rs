@@ -74,7 +74,8 @@ fn irradiance_in_the_middle(scene: &SceneDescription) -> Rgb {
     let size = bounds(scene).map_or(1.0, |[lo, hi]| (0.5 * (hi - lo).length()).max(1e-6));
     let middle = bounds(scene).map_or(DVec3::ZERO, |[lo, hi]| 0.5 * (lo + hi));
     let near = |position: DVec3, intensity: Rgb| {
-        intensity / position.distance_squared(middle).max(1e-6) as f32
+        // Nobody is to be blinded by a lamp that happens to hang in the middle.
+        intensity / position.distance_squared(middle).max(size * size) as f32
     };
     let of = |light: &LightDescription| match light.light {
         Light::Point { position, intensity } | Light::Spot { position, intensity, .. } => {

@@ -106,6 +106,43 @@ fn near_surfaces_keep_ambient_light_out() {
     close(Scene::build(&description).radiance(&ray).value.y, 1.0, 1e-5);
 }
 
+/// A lamp that hangs in the middle of a room, or beside it: the ambient light is that of half of the room's size away.
+#[test]
+fn ambient_light_does_not_depend_on_who_is_in_the_middle() {
+    use firstlight::scene::description::Light;
+    let at = |height: f64| {
+        let lamp = format!("lights.low.point.position=[0, 0, {height}]");
+        let description =
+            scene(ABOVE, &["look='balanced'", "lights.low.point.intensity=15", &lamp]);
+        let Light::Ambient { radiance, .. } = description.lights[1].light else {
+            panic!("ambient")
+        };
+        f64::from(radiance.y)
+    };
+    // From -3, -3, -1 to 3, 3, 2.
+    let expected = 0.2 * 15.0 / PI / (0.25 * (36.0 + 36.0 + 9.0));
+    for height in [0.5, 0.51, 1.9] {
+        close(at(height), expected, 1e-6);
+    }
+}
+
+/// Squares of 2 cm, far away: each ray sees their mean.
+#[test]
+fn clarity_filters_textures() {
+    let squares = "
+        look = 'clarity'
+        film = { resolution = [16, 16], samples = 1 }
+        camera.orthographic = { position = [0, 0, 9], target = [0, 0, 0], height = 8, up = [0, 1, 0] }
+        surfaces.floor.quad = { corner = [-9, -9, 0], edge_u = [18, 0, 0], edge_v = [0, 18, 0] }
+        surfaces.floor.material = 'squares'
+        materials.squares.lambert.reflectance.checker = { colors = [0, 1], size = 0.001 }
+    ";
+    let image = picture(&scene(squares, &[])).image;
+    for [r, ..] in image.pixels() {
+        assert!((r - 0.5).abs() < 0.05, "{r} is one of the squares");
+    }
+}
+
 #[test]
 fn looks_are_what_they_say() {
     use firstlight::scene::description::{Integrator, Light};

@@ -4,7 +4,7 @@
 //! Lines: a few rays around each one tell whether it is near an edge (Choudhury & Parker, *Ray Tracing NPR-Style Feature
 //! Lines*, 2009).
 
-use super::{Answer, Path, Scratch, Vertex};
+use super::{Answer, Path, Scratch, Vertex, Walk};
 use crate::color::Rgb;
 use crate::geometry::{Hit, Ray};
 use crate::integrator::Source;
@@ -80,7 +80,9 @@ impl<'a> Clarity<'a> {
         scratch.begin(rays.len());
         scratch.counts.camera += rays.len() as u64;
         scratch.rays.extend(rays.iter().map(|ray| self.kept(ray)));
-        scratch.walks.extend((0..rays.len() as u32).map(super::Walk::from_eye));
+        let cone = self.path.scene.cone;
+        let eyes = (0..rays.len() as u32).map(Walk::from_eye);
+        scratch.walks.extend(eyes.map(|eye| Walk { cone, ..eye }));
         self.closest_hits(&scratch.rays, &mut scratch.hits);
         let inks = self.inks(&scratch.rays, &scratch.hits);
         self.shade(&inks, scratch, recorder);
@@ -209,7 +211,7 @@ impl<'a> Clarity<'a> {
             let mut at = scene.interaction(ray, hit);
             at.seen_width = walk.cone.after(hit.t).width;
             let (material, is_cut) = (scene.material(hit), self.section.is_some() && !at.front);
-            let emitted = scene.emitted(material, &at);
+            let emitted = scene.emitted(material, &at, -ray.direction);
             let color = match emitted.max_element() {
                 0.0 => scene.evaluate(&material.reflectance, &at).xyz(),
                 brightest => emitted / brightest.max(1.0),
