@@ -10,8 +10,7 @@ use firstlight::color::{Rgb, View};
 use firstlight::diagnostic::Diagnostic;
 use firstlight::false_color::{Scale, false_color};
 use firstlight::io::{Develop, Format, Metadata, save};
-use firstlight::layers::{Layer, Plane, data_layers};
-use firstlight::render::with_threads;
+use firstlight::layers::{Layer, Plane};
 use firstlight::units;
 
 /// Refuses formats that hold light instead of colours.
@@ -28,14 +27,13 @@ pub(crate) fn encode(
     name: FalseColorName,
     range: Option<[f64; 2]>,
     scenes: &Scenes<'_>,
-    threads: usize,
     picture: &Picture,
     format: Format,
     metadata: &Metadata,
 ) -> Outcome<Vec<u8>> {
     let (values, unit) = match name {
         FalseColorName::Luminance => (nits(scenes, &picture.rendered.image), "nit"),
-        FalseColorName::Illuminance => (lux(scenes, threads, picture), "lx"),
+        FalseColorName::Illuminance => (lux(scenes, picture), "lx"),
     };
     let scale = match range {
         Some(ends) => Scale { ends, unit: unit.into() },
@@ -54,12 +52,8 @@ fn nits(scenes: &Scenes<'_>, image: &Image) -> Vec<f64> {
 }
 
 /// Illuminance of the surface in the middle of each pixel.
-fn lux(scenes: &Scenes<'_>, threads: usize, picture: &Picture) -> Vec<f64> {
-    let film = &picture.rendered.film;
-    let place = [film.origin(), film.size()];
-    let Scenes { description, built } = scenes;
-    let layers =
-        with_threads(threads, || data_layers(built, description, place, &[Layer::Illuminance]));
+fn lux(scenes: &Scenes<'_>, picture: &Picture) -> Vec<f64> {
+    let layers = scenes.data(picture, &[Layer::Illuminance]);
     let numbers = layers.into_iter().find_map(|channel| match channel.plane {
         Plane::Numbers(values) => Some(values),
         Plane::Whole(_) => None,

@@ -1,11 +1,12 @@
 //! Pictures with layers: what `render --aov` writes.
 
 use crate::args::{Layers, RenderArgs};
+use crate::machine::{self, Signal};
 use crate::output::Output;
 use crate::render::Picture;
-use crate::{Exit, Failure, Outcome, machine};
+use crate::{Exit, Failure, Outcome};
 use firstlight::diagnostic::{Diagnostic, Result};
-use firstlight::io::{Develop, Format, Metadata, save_layers};
+use firstlight::io::{Develop, EFFICACY, Format, Metadata, save_layers};
 use firstlight::layers::{Channel, CryptoNames, Layer, LightLayers, data_layers};
 use firstlight::render::with_threads;
 use firstlight::{Scene, SceneDescription};
@@ -42,28 +43,40 @@ pub(crate) fn check_size(args: &RenderArgs, scene: &Scene) -> Result<()> {
     Err(Box::new(Diagnostic::new("--aov", message).help(help)))
 }
 
-/// A scene as it was read and as it is traced.
+/// A scene as it was read and as it is traced, by so many threads until there is a signal.
 pub(crate) struct Scenes<'a> {
     pub description: &'a SceneDescription,
     pub built: &'a Scene,
+    pub threads: usize,
+    pub signal: &'a Signal,
+}
+
+impl Scenes<'_> {
+    /// Layers of data for a picture, with as many samples as it has where light has to be measured.
+    pub(crate) fn data(&self, picture: &Picture, wanted: &[Layer]) -> Vec<Channel> {
+        let Self { description, built, threads, signal } = *self;
+        let film = &picture.rendered.film;
+        let (place, samples) = ([film.origin(), film.size()], picture.rendered.samples);
+        with_threads(threads, || {
+            data_layers(built, description, place, wanted, samples, &|| signal.asked())
+        })
+    }
 }
 
 /// The file of a picture with its layers.
 pub(crate) fn encode(
     Layers(wanted): &Layers,
     scenes: &Scenes<'_>,
-    threads: usize,
     picture: &Picture,
     lights: &LightLayers,
     metadata: &Metadata,
 ) -> Outcome<Vec<u8>> {
-    let (film, Scenes { description, built }) = (&picture.rendered.film, scenes);
-    let place = [film.origin(), film.size()];
-    let data = with_threads(threads, || data_layers(built, description, place, wanted));
-    let channels: Vec<Channel> =
-        lights.channels(description, wanted).into_iter().chain(data).collect();
+    let description = scenes.description;
+    let mut channels = lights.channels(description, wanted);
+    channels.extend(scenes.data(picture, wanted));
     let names = wanted.contains(&Layer::Cryptomatte).then(|| CryptoNames::new(description));
-    let attributes = names.map_or(Vec::new(), |names| names.attributes());
+    let mut attributes = names.map_or(Vec::new(), |names| names.attributes());
+    attributes.push((EFFICACY.into(), description.luminous_efficacy.0.to_string()));
     let (exposure_ev, view) = (picture.exposure_ev as f32, picture.view);
     let develop = Develop { exposure_ev, view, dither: false };
     save_layers(&picture.rendered.image, channels, attributes, develop, metadata)

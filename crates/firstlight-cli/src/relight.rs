@@ -6,6 +6,7 @@ use crate::{Exit, Failure, Outcome, machine, report};
 use firstlight::color::Rgb;
 use firstlight::diagnostic::{Diagnostic, visible};
 use firstlight::io::{Develop, LayerFile, Limits, Metadata, load_layers, save};
+use firstlight::layers::layer_name;
 use firstlight::scene::description::LuminousEfficacy;
 use firstlight::{Image, auto_exposure};
 use std::collections::BTreeSet;
@@ -20,7 +21,8 @@ pub(crate) fn run(args: &RelightArgs) -> Outcome {
     let decoded_bytes = machine::available_memory().unwrap_or(Limits::default().decoded_bytes);
     let file = load_layers(&args.layers, &Limits { decoded_bytes })?;
     let image = args.mix(&file)?;
-    let exposure_ev = match args.exposure.map(|e| e.stops(LuminousEfficacy::default())) {
+    let efficacy = file.luminous_efficacy.map_or_else(LuminousEfficacy::default, LuminousEfficacy);
+    let exposure_ev = match args.exposure.map(|e| e.stops(efficacy)) {
         None => file.exposure_ev.unwrap_or(0.0),
         Some(stops) => stops.unwrap_or_else(|| auto_exposure(&image)) as f32,
     };
@@ -52,7 +54,7 @@ impl RelightArgs {
                 .into());
         }
         for name in wanted {
-            if !known.contains(&name.as_str()) {
+            if !known.contains(&layer_name(name).as_str()) {
                 let error = Diagnostic::new("--light", format!("there is no light \"{name}\""));
                 return Err(error.help(format!("there are {}", known.join(", "))).into());
             }
@@ -60,7 +62,11 @@ impl RelightArgs {
         let mut sum = vec![Rgb::ZERO; file.width as usize * file.height as usize];
         for name in &known {
             let (factor, layer) = (self.factor(name), file.rgb(&format!("{PREFIX}{name}")));
-            for (sum, value) in sum.iter_mut().zip(layer.unwrap_or_default()) {
+            let layer = layer.ok_or_else(|| {
+                let message = format!("light \"{name}\" lacks one of its channels R, G and B");
+                Diagnostic::new(self.layers.display().to_string(), message)
+            })?;
+            for (sum, value) in sum.iter_mut().zip(layer) {
                 *sum += factor * Rgb::from(value);
             }
         }
@@ -75,9 +81,10 @@ impl RelightArgs {
 
     fn factor(&self, name: &str) -> Rgb {
         if !self.only.is_empty() {
-            return if self.only.iter().any(|only| only == name) { Rgb::ONE } else { Rgb::ZERO };
+            let is_wanted = self.only.iter().any(|only| layer_name(only) == name);
+            return if is_wanted { Rgb::ONE } else { Rgb::ZERO };
         }
-        let given = self.light.iter().rev().find(|(light, _)| light == name);
+        let given = self.light.iter().rev().find(|(light, _)| layer_name(light) == name);
         given.map_or(Rgb::ONE, |(_, factor)| *factor)
     }
 }

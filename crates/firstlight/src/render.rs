@@ -449,7 +449,7 @@ impl Keeper for LightTile {
             .zip(worker.gatherer.samples(render.scene))
             .map(|((pixel, &weight), sample)| Taken { pixel, weight, sample: *sample })
             .collect();
-        self.add(&samples, half.unwrap_or(Half::First), &record);
+        self.add(&samples, &record);
     }
 }
 

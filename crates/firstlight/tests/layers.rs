@@ -5,7 +5,7 @@ mod common;
 use common::{close, read, small_scenes};
 use firstlight::io::{Develop, Limits, Metadata, load_layers, save_layers};
 use firstlight::layers::{Channel, Layer, Plane, data_layers};
-use firstlight::render::{Crop, RenderOptions, render, render_layers};
+use firstlight::render::{Crop, Progress, RenderOptions, Stop, render, render_layers};
 use firstlight::{Image, Scene, SceneDescription};
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -76,6 +76,25 @@ fn layers_of_light_add_up_to_the_picture() {
     }
 }
 
+/// A time that ends after a pass of one of the sequences that take turns without end.
+#[test]
+fn layers_add_up_after_any_number_of_passes() {
+    let description = read(Path::new("scene.toml"), BALL, &["lights.key.point.radius=2"]);
+    let scene = Scene::build(&description);
+    let options = RenderOptions { endless: true, ..RenderOptions::default() };
+    let enough = |progress: Progress| match progress.samples {
+        0..12 => ControlFlow::Continue(()),
+        _ => ControlFlow::Break(Stop::AfterPass),
+    };
+    let (rendered, lights) = render_layers(&scene, &options, &enough);
+    assert_eq!(rendered.samples, 12);
+    let channels = lights.channels(&description, &[Layer::Light]);
+    let sums = sums(&channels, "light.", ".R", 33 * 33);
+    for (pixel, sum) in rendered.image.pixels().iter().zip(sums) {
+        close(sum, f64::from(pixel[0]), 1e-5);
+    }
+}
+
 const BALL: &str = "
     film = { resolution = [33, 33], samples = 64 }
     camera.perspective = { position = [0, -5, 0], target = [0, 0, 0], fov = 40 }
@@ -91,7 +110,8 @@ fn data(text: &str) -> Vec<Channel> {
     let description = read(Path::new("scene.toml"), text, &[]);
     let scene = Scene::build(&description);
     let all: Vec<_> = Layer::NAMES.iter().map(|(_, layer)| *layer).collect();
-    data_layers(&scene, &description, [[0, 0], [33, 33]], &all)
+    let samples = scene.film().samples;
+    data_layers(&scene, &description, [[0, 0], [33, 33]], &all, samples, &|| false)
 }
 
 #[test]
@@ -156,4 +176,59 @@ fn files_keep_every_bit_and_are_the_same_each_time() {
     let mut lights = file.layers("light.");
     lights.sort_unstable();
     assert_eq!(lights, ["fill", "key"]);
+}
+
+/// Samples without end, but nobody waits for them.
+#[test]
+fn data_that_takes_long_can_be_left_off() {
+    let description = read(Path::new("scene.toml"), BALL, &["lights.key.point.radius=1"]);
+    let scene = Scene::build(&description);
+    let wanted = [Layer::Depth, Layer::Irradiance, Layer::Ao];
+    let channels =
+        data_layers(&scene, &description, [[0, 0], [33, 33]], &wanted, u32::MAX, &|| true);
+    let middle = 16 * 33 + 16;
+    close(numbers(&channels, "Z")[middle], 4.0, 1e-6);
+    assert_eq!(numbers(&channels, "irradiance.R")[middle], 0.0);
+    assert_eq!(numbers(&channels, "ao")[middle], 0.0);
+}
+
+/// What lights may be called, and files may not.
+#[test]
+fn lights_of_any_name_have_layers() {
+    let long = "long ".repeat(100);
+    let lights = [("Лампа 1 💡", 3.0), ("a.b", 2.0), ("a_b", 1.0), (&long, 0.5)];
+    let more: String = lights
+        .iter()
+        .map(|(name, power)| {
+            format!("lights.'{name}'.point = {{ position = [0, -5, 0], power = {power} }}\n")
+        })
+        .collect();
+    let description =
+        read(Path::new("scene.toml"), &(BALL.to_owned() + &more), &["film.samples=1"]);
+    let (image, channels) = with_layers(&description, None);
+    let bytes =
+        save_layers(&image, channels.clone(), vec![], Develop::default(), &Metadata::default());
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("layers.exr");
+    std::fs::write(&path, bytes.unwrap()).unwrap();
+    let file = load_layers(&path, &Limits::default()).unwrap();
+    for channel in &channels {
+        assert!(file.channels.contains(channel), "{}", channel.name);
+    }
+    let red = |name: &str| numbers(&file.channels, &format!("light.{name}.R"))[16 * 33 + 16];
+    for (name, power) in [("Лампа 1 💡", 6.0), ("a_b", 4.0), ("a_b_2", 2.0), (&long[..200], 1.0)]
+    {
+        close(red(name) / red(&long[..200]), power, 1e-5);
+    }
+}
+
+/// Ambient light that near surfaces keep out is ambient light.
+#[test]
+fn ambient_light_is_that_of_ambient_lights() {
+    let more = ["lights.fill.ambient.reach=0.5", "lights.key.point.intensity=0"];
+    let description = read(Path::new("scene.toml"), BALL, &more);
+    let (image, channels) = with_layers(&description, None);
+    let middle = 16 * 33 + 16;
+    close(numbers(&channels, "ambient.R")[middle], image.pixels()[middle][0].into(), 1e-6);
+    assert_eq!(numbers(&channels, "direct.R")[middle], 0.0);
 }

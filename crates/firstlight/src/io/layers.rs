@@ -11,6 +11,9 @@ use crate::layers::{Channel, Plane};
 use exr::prelude::{AnyChannel, AttributeValue, FlatSamples, MetaData, Vec2};
 use std::path::Path;
 
+/// The attribute that keeps lumens per watt, as text.
+pub const EFFICACY: &str = "luminousEfficacy";
+
 /// Encodes a picture with more channels, all in 32 bits, and more attributes: names and texts.
 ///
 /// # Errors
@@ -29,7 +32,7 @@ pub fn save_layers(
             Plane::Numbers(values) => FlatSamples::F32(values),
             Plane::Whole(values) => FlatSamples::U32(values),
         };
-        AnyChannel::new(channel.name.as_str(), samples)
+        AnyChannel { name: utf8(&channel.name), ..AnyChannel::new("", samples) }
     });
     let mut attributes = attributes(develop, metadata);
     let more = more.into_iter().map(|(key, text)| (utf8(&key), AttributeValue::Text(utf8(&text))));
@@ -51,6 +54,8 @@ pub struct LayerFile {
     pub channels: Vec<Channel>,
     /// Stops of exposure that it is meant to be shown with.
     pub exposure_ev: Option<f32>,
+    /// Lumens per watt that its scene was reckoned with.
+    pub luminous_efficacy: Option<f64>,
 }
 
 impl LayerFile {
@@ -98,13 +103,17 @@ fn decode(input: &Input) -> Result<LayerFile> {
         let _ = input.room_for(width as u64, height as u64, bytes)?;
     }
     let layer = first_layer(input.bytes).map_err(|e| unreadable(input, &e))?;
-    let exposure = layer.attributes.other.get(&utf8("exposureEV"));
-    let exposure_ev = exposure.and_then(|value| match value {
-        AttributeValue::F32(ev) => Some(*ev),
+    let attribute = |name: &str| layer.attributes.other.get(&utf8(name));
+    let exposure_ev = match attribute("exposureEV") {
+        Some(AttributeValue::F32(ev)) => Some(*ev),
         _ => None,
-    });
+    };
+    let luminous_efficacy = match attribute(EFFICACY) {
+        Some(AttributeValue::Text(text)) => text.to_string().parse().ok(),
+        _ => None,
+    };
     let channel = |channel: AnyChannel<FlatSamples>| Channel {
-        name: channel.name.to_string(),
+        name: String::from_utf8_lossy(channel.name.as_slice()).into_owned(),
         plane: match channel.sample_data {
             FlatSamples::F16(values) => Plane::Numbers(values.iter().map(|x| x.to_f32()).collect()),
             FlatSamples::F32(values) => Plane::Numbers(values),
@@ -117,5 +126,6 @@ fn decode(input: &Input) -> Result<LayerFile> {
         height: layer.size.1 as u32,
         channels: layer.channel_data.list.into_iter().map(channel).collect(),
         exposure_ev,
+        luminous_efficacy,
     })
 }

@@ -29,7 +29,7 @@ mod triangles;
 
 pub use access::{FileAccess, Limits};
 pub use atomic::write;
-pub use layers::{LayerFile, load_layers, save_layers};
+pub use layers::{EFFICACY, LayerFile, load_layers, save_layers};
 pub use load::{is_scene_file, load, model_override};
 pub use measured::{load_measured, load_variance};
 pub use part::{Part, PartInfo, load_part, merge_parts, save_part};

@@ -20,18 +20,6 @@ impl Coverage {
         }
     }
 
-    /// With another one, each as if of weight 1/2.
-    pub(super) fn joined(self, other: Self) -> Self {
-        let mut joined = Self::default();
-        for half in [self, other] {
-            let whole: f32 = half.0.iter().map(|(_, weight)| weight).sum();
-            half.0
-                .into_iter()
-                .for_each(|(surface, weight)| joined.add(surface, 0.5 * weight / whole));
-        }
-        joined
-    }
-
     /// The covered part under the number of each name, the largest first.
     fn ranks(&self, number: impl Fn(u32) -> f32) -> Vec<(f32, f32)> {
         let whole: f32 = self.0.iter().map(|(_, weight)| weight).sum();

@@ -9,11 +9,14 @@ use crate::scene::description::{Integrator, Mesh, SceneDescription, Shape};
 use crate::scene::{Scene, SeenByCamera};
 use crate::shading::interaction::SurfaceInteraction;
 use crate::units::photometric;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::f32::consts::PI;
 use std::sync::Arc;
+
+/// Samples of a pixel that are taken without asking whether to stop.
+const BATCH: u32 = 256;
 
 /// What there is in the middle of one pixel.
 #[derive(Debug, Clone, Copy, Default)]
@@ -36,14 +39,17 @@ struct Seen {
 }
 
 /// The wanted layers of data for the rectangle at `origin` of size `size` of the scene's picture. `scene` was built
-/// from `description`. Where light has to be measured, with as many samples as the picture has.
+/// from `description`. Where light has to be measured, that takes so many `samples`, unless `stop` says to leave off: what
+/// was not measured by then is 0.
 pub fn data_layers(
     scene: &Scene,
     description: &SceneDescription,
     [origin, size]: [[u32; 2]; 2],
     wanted: &[Layer],
+    samples: u32,
+    stop: &(dyn Fn() -> bool + Sync),
 ) -> Vec<Channel> {
-    let viewer = Viewer::new(scene, description, wanted);
+    let viewer = Viewer::new(scene, description, wanted, samples, stop);
     let row = |gatherer: &mut Gatherer, y: u32| {
         let columns = origin[0]..origin[0] + size[0];
         columns.map(|x| viewer.see(x, origin[1] + y, gatherer)).collect()
@@ -57,19 +63,29 @@ pub fn data_layers(
 struct Viewer<'a> {
     scene: &'a Scene,
     sampler: Sampler,
+    samples: u32,
+    stop: &'a (dyn Fn() -> bool + Sync),
     light: Option<Way<'a>>,
     sky: Option<Way<'a>>,
     instances: Vec<u32>,
 }
 
 impl<'a> Viewer<'a> {
-    fn new(scene: &'a Scene, description: &SceneDescription, wanted: &[Layer]) -> Self {
+    fn new(
+        scene: &'a Scene,
+        description: &SceneDescription,
+        wanted: &[Layer],
+        samples: u32,
+        stop: &'a (dyn Fn() -> bool + Sync),
+    ) -> Self {
         let measures = [Layer::Irradiance, Layer::Illuminance];
         let measures_light = wanted.iter().any(|layer| measures.contains(layer));
         let sees_sky = wanted.contains(&Layer::Ao);
         Self {
             scene,
-            sampler: Sampler::new(scene.film().seed, scene.film().samples),
+            sampler: Sampler::new(scene.film().seed, samples),
+            samples,
+            stop,
             light: measures_light.then(|| Way::of(scene, false)),
             sky: sees_sky.then(|| Way::to_sky(scene, occlusion_distance(description))),
             instances: instances(description),
@@ -83,13 +99,7 @@ impl<'a> Viewer<'a> {
         match hits[0].is_some() {
             true => {
                 let (seen, at) = self.meet(&ray, &hits[0]);
-                let point = |sample| self.sampler.points(x, y, sample);
-                self.measure(
-                    seen,
-                    &at,
-                    || (0..self.scene.film().samples).map(point).collect(),
-                    gatherer,
-                )
+                self.measure(seen, &at, |sample| self.sampler.points(x, y, sample), gatherer)
             }
             false => Seen { depth: f32::INFINITY, distance: f32::INFINITY, ..Seen::default() },
         }
@@ -119,20 +129,26 @@ impl<'a> Viewer<'a> {
         (seen, at)
     }
 
-    /// Adds what takes more rays, one for each of `points`.
+    /// Adds what takes more rays, one for each sample.
     fn measure(
         &self,
         mut seen: Seen,
         at: &SurfaceInteraction,
-        points: impl Fn() -> Vec<PathPoints>,
+        point: impl Fn(u32) -> PathPoints,
         gatherer: &mut Gatherer,
     ) -> Seen {
-        if self.light.is_none() && self.sky.is_none() {
-            return seen;
-        }
-        let (position, points) = (at.position.as_dvec3(), points());
+        let (position, normal) = (at.position.as_dvec3(), at.geometric_normal);
         let mut measure = |way: &Way<'_>| {
-            way.irradiance(position, at.geometric_normal, &points, gatherer).as_vec3()
+            let mut sum = DVec3::ZERO;
+            for first in (0..self.samples).step_by(BATCH as usize) {
+                if (self.stop)() {
+                    return Rgb::ZERO;
+                }
+                let batch = first..self.samples.min(first + BATCH);
+                let points: Vec<_> = batch.map(&point).collect();
+                sum += points.len() as f64 * way.irradiance(position, normal, &points, gatherer);
+            }
+            (sum / f64::from(self.samples)).as_vec3()
         };
         seen.irradiance = self.light.as_ref().map_or(Rgb::ZERO, &mut measure);
         seen.ao = self.sky.as_ref().map_or(0.0, |sky| measure(sky).x / PI);

@@ -3,12 +3,12 @@
 use super::crypto::{Coverage, CryptoNames};
 use super::{Channel, Layer};
 use crate::color::{Rgb, luminance};
-use crate::film::{Half, Sample, Tile};
+use crate::film::{Sample, Tile};
 use crate::integrator::{Gain, Record, Source};
 use crate::scene::Scene;
 use crate::scene::description::{Integrator, SceneDescription};
 use glam::DVec3;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 /// A sample that was taken: which pixel of the tile it belongs to, and its weight under the filter.
 pub(crate) struct Taken {
@@ -34,11 +34,12 @@ impl Part {
         (Self::Ambient, Layer::Ambient, "ambient"),
     ];
 
-    fn of(gain: &Gain) -> Self {
-        match (gain.source, gain.reflections) {
-            (Source::Ambient, _) => Self::Ambient,
-            (_, 0) => Self::Emission,
-            (_, 1) => Self::Direct,
+    /// Of light from an ambient light, or not.
+    fn of(gain: &Gain, is_ambient: bool) -> Self {
+        match gain.reflections {
+            _ if is_ambient => Self::Ambient,
+            0 => Self::Emission,
+            1 => Self::Direct,
             _ => Self::Indirect,
         }
     }
@@ -54,8 +55,6 @@ struct Sums {
     arrived: f64,
     squares: DVec3,
     radiance: DVec3,
-    /// Of the mean, once halves are joined.
-    joined_variance: Option<DVec3>,
     weight: f64,
     rays: u32,
     count: u32,
@@ -67,25 +66,23 @@ struct Sums {
 pub(crate) struct LightTile {
     /// The place of each source among a pixel's.
     places: BTreeMap<Source, usize>,
-    empty: Vec<Sums>,
-    /// Of the halves of a picture that are kept apart; else the second has none.
-    halves: [Vec<Sums>; 2],
+    /// Those of ambient light.
+    ambient: BTreeSet<Source>,
+    pixels: Vec<Sums>,
 }
 
 impl LightTile {
     pub(crate) fn new(scene: &Scene, pixels: usize) -> Self {
         let places: BTreeMap<_, _> = sources(scene).into_iter().zip(0..).collect();
         let empty = Sums { sources: vec![DVec3::ZERO; places.len()], ..Sums::default() };
-        let empty = vec![empty; pixels];
-        Self { places, halves: [empty.clone(), Vec::new()], empty }
+        let near = scene.near_ambient.iter().map(|light| Source::Light(light.number));
+        let ambient = near.chain([Source::Ambient]).collect();
+        Self { places, ambient, pixels: vec![empty; pixels] }
     }
 
-    /// Adds a batch of samples of one half.
-    pub(crate) fn add(&mut self, samples: &[Taken], half: Half, record: &Record) {
-        let pixels = &mut self.halves[usize::from(half == Half::Second)];
-        if pixels.is_empty() {
-            pixels.clone_from(&self.empty);
-        }
+    /// Adds a batch of samples.
+    pub(crate) fn add(&mut self, samples: &[Taken], record: &Record) {
+        let Self { places, ambient, pixels } = self;
         for taken in samples {
             let sums = &mut pixels[taken.pixel];
             let (weight, radiance) = (f64::from(taken.weight), taken.sample.radiance.as_dvec3());
@@ -104,8 +101,9 @@ impl LightTile {
             }
             let radiance = f64::from(taken.weight) * gain.radiance.as_dvec3();
             let sums = &mut pixels[taken.pixel];
-            sums.parts[Part::of(gain) as usize] += radiance;
-            sums.sources[self.places[&gain.source]] += radiance;
+            let part = Part::of(gain, ambient.contains(&gain.source));
+            sums.parts[part as usize] += radiance;
+            sums.sources[places[&gain.source]] += radiance;
         }
         for asked in &record.asked {
             let taken = &samples[asked.gain.sample as usize];
@@ -129,17 +127,8 @@ impl LightTile {
     }
 }
 
-impl LightTile {
-    /// Both halves together, which count the same, however many samples they have.
-    fn joined(self) -> Vec<Sums> {
-        let [first, second] = self.halves;
-        let mut second = second.into_iter();
-        first.into_iter().map(|sums| sums.joined(second.next())).collect()
-    }
-}
-
 /// Everything that light can come from in a scene.
-fn sources(scene: &Scene) -> Vec<Source> {
+pub(crate) fn sources(scene: &Scene) -> Vec<Source> {
     let Scene { light_numbers, round_numbers, sun_numbers, .. } = scene;
     let numbers = light_numbers.iter().chain(round_numbers).chain(sun_numbers);
     let lights = numbers.map(|number| Source::Light(*number));
@@ -179,7 +168,7 @@ impl LightLayers {
     ) -> Self {
         let mut pixels = vec![Sums::default(); size[0] as usize * size[1] as usize];
         for (place, sums) in Tile::cut(origin, size).iter().zip(tiles) {
-            for (index, sums) in sums.joined().into_iter().enumerate() {
+            for (index, sums) in sums.pixels.into_iter().enumerate() {
                 let [x, y] = place.place(index);
                 let row = (y - origin[1]) as usize * size[0] as usize;
                 pixels[row + (x - origin[0]) as usize] = sums;
@@ -246,52 +235,58 @@ impl LightLayers {
 
     /// The name of each source, no two the same.
     fn names(&self, description: &SceneDescription) -> Vec<String> {
-        let mut names = Vec::<String>::new();
-        for source in &self.sources {
-            let name = source.name(description).replace('.', "_");
-            let taken = |name: &String| names.contains(name);
-            let other = (2..).map(|number| format!("{name}_{number}"));
-            let free = std::iter::once(name.clone()).chain(other).find(|name| !taken(name));
-            names.push(free.unwrap_or(name));
-        }
-        names
+        let (mut taken, mut numbers) = (HashSet::new(), HashMap::new());
+        let mut unique = |name: String| {
+            let number = numbers.entry(name.clone()).or_insert(0);
+            loop {
+                *number += 1;
+                let numbered = if *number == 1 { name.clone() } else { format!("{name}_{number}") };
+                if taken.insert(numbered.clone()) {
+                    return numbered;
+                }
+            }
+        };
+        self.sources.iter().map(|source| unique(layer_name(&source.name(description)))).collect()
     }
 }
 
-impl Sums {
-    /// With the other half, each as if of weight 1/2.
-    fn joined(self, other: Option<Self>) -> Self {
-        let Some(other) = other.filter(|other| other.weight > 0.0) else { return self };
-        if self.weight <= 0.0 {
-            return other;
-        }
-        let (own, its) = (0.5 / self.weight, 0.5 / other.weight);
-        let mix = |a: DVec3, b: DVec3| own * a + its * b;
-        let variance = 0.25 * (self.variance() + other.variance());
-        Self {
-            parts: std::array::from_fn(|part| mix(self.parts[part], other.parts[part])),
-            sources: self.sources.iter().zip(&other.sources).map(|(a, b)| mix(*a, *b)).collect(),
-            asked: own * self.asked + its * other.asked,
-            arrived: own * self.arrived + its * other.arrived,
-            joined_variance: Some(variance),
-            weight: 1.0,
-            rays: self.rays + other.rays,
-            count: self.count + other.count,
-            surfaces: self.surfaces.joined(other.surfaces),
-            ..Self::default()
-        }
-    }
+/// What the layer of something called `name` is called: a dot would begin the name of a channel, and formats have no room for
+/// more than 255 bytes in all.
+pub fn layer_name(name: &str) -> String {
+    const BYTES: usize = 200;
+    name[..name.floor_char_boundary(BYTES)].replace(['.', '\0'], "_")
+}
 
+impl Sums {
     /// Of the mean of as many independent samples.
     fn variance(&self) -> DVec3 {
-        if let Some(variance) = self.joined_variance {
-            return variance;
-        }
         let count = self.weight;
         if count < 2.0 {
             return DVec3::ZERO;
         }
         let mean = self.radiance / count;
         (self.squares / count - mean * mean).max(DVec3::ZERO) / (count - 1.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::description::{Light, LightDescription};
+
+    /// As many as a model may have, all of one name but a few that have the name that others would get.
+    #[test]
+    fn names_are_told_apart_in_no_time() {
+        let light = |number: u32| {
+            let name = if number % 1000 == 7 { format!("Lamp_{number}") } else { "Lamp".into() };
+            let (position, intensity) = (glam::DVec3::ZERO, Rgb::ONE);
+            LightDescription::new(name, Light::Point { position, intensity })
+        };
+        let lights = (0..20_000).map(light).collect();
+        let description = SceneDescription { lights, ..SceneDescription::default() };
+        let sources = (0..20_000).map(Source::Light).collect();
+        let names = LightLayers { sources, pixels: Vec::new() }.names(&description);
+        assert_eq!(names.iter().collect::<HashSet<_>>().len(), 20_000);
+        assert_eq!(names[..3], ["Lamp", "Lamp_2", "Lamp_3"]);
     }
 }

@@ -10,8 +10,8 @@ mod light;
 
 pub use crypto::CryptoNames;
 pub use data::data_layers;
-pub use light::LightLayers;
-pub(crate) use light::{LightTile, Taken};
+pub use light::{LightLayers, layer_name};
+pub(crate) use light::{LightTile, Taken, sources};
 
 use std::str::FromStr;
 
