@@ -21,7 +21,8 @@ pub(crate) fn run(args: &CompareArgs) -> Outcome {
     let output = output.transpose()?;
     let a = read(&args.a, args.variance_a.as_deref(), None)?;
     let b = read(&args.b, args.variance_b.as_deref(), args.reference_noise)?;
-    let comparison = checked(&a, &b, &args.b, args.threshold)?;
+    check_size(&b, &args.b, size(&a))?;
+    let comparison = compare(&a, &b, args.threshold);
     if let Some(output) = output {
         let image = difference(&comparison, &b.image);
         let bytes = save(&image, output.format, Develop::default(), &Metadata::default())?;
@@ -50,37 +51,49 @@ fn read(path: &Path, variance: Option<&Path>, noise: Option<f64>) -> Result<Meas
     Ok(noise.map_or(picture.clone(), |noise| picture.with_noise(noise)))
 }
 
-/// Compares two pictures if they have the same size.
-fn checked(
-    a: &Measured,
-    b: &Measured,
-    reference: &Path,
-    threshold: Option<f64>,
-) -> Result<Comparison> {
-    let [of_a, of_b] = [a, b].map(|picture| [picture.image.width(), picture.image.height()]);
-    if of_a == of_b {
-        return Ok(compare(a, b, threshold));
-    }
-    let ([w, h], [x, y]) = (of_a, of_b);
-    let message =
-        format!("is {x} × {y} pixels, not {w} × {h}: only pictures of one size can be compared");
-    Err(Box::new(Diagnostic::new(reference.display().to_string(), message)))
+/// The size of a picture.
+fn size(picture: &Measured) -> [u32; 2] {
+    [picture.image.width(), picture.image.height()]
 }
 
-/// Compares a picture that was rendered with a reference file; says how it went.
-pub(crate) fn with_reference(
-    picture: &Measured,
-    reference: &Path,
-    threshold: Option<f64>,
-) -> Result<(Comparison, Value)> {
-    let measured = load_measured(reference, &Limits::default())?;
-    let comparison = checked(picture, &measured, reference, threshold)?;
-    let names = ["the picture".to_owned(), reference.display().to_string()];
-    let json = as_json(&names, &comparison);
-    if !comparison.same {
-        report::line(as_text(&names, &comparison).trim_end());
+/// Whether the reference at `path` has the size of what is compared with it.
+fn check_size(reference: &Measured, path: &Path, [w, h]: [u32; 2]) -> Result<()> {
+    let [x, y] = size(reference);
+    if [x, y] == [w, h] {
+        return Ok(());
     }
-    Ok((comparison, json))
+    let message =
+        format!("is {x} × {y} pixels, not {w} × {h}: only pictures of one size can be compared");
+    Err(Box::new(Diagnostic::new(path.display().to_string(), message)))
+}
+
+/// What a picture of that size is to be held to once it is rendered.
+pub(crate) struct Reference<'a> {
+    path: &'a Path,
+    picture: Measured,
+}
+
+impl<'a> Reference<'a> {
+    pub(crate) fn load(path: &'a Path, size: [u32; 2]) -> Result<Self> {
+        let picture = load_measured(path, &Limits::default())?;
+        check_size(&picture, path, size)?;
+        Ok(Self { path, picture })
+    }
+
+    /// Compares the picture with it; says how it went.
+    pub(crate) fn compare(
+        &self,
+        picture: &Measured,
+        threshold: Option<f64>,
+    ) -> (Comparison, Value) {
+        let comparison = compare(picture, &self.picture, threshold);
+        let names = ["the picture".to_owned(), self.path.display().to_string()];
+        let json = as_json(&names, &comparison);
+        if !comparison.same {
+            report::line(as_text(&names, &comparison).trim_end());
+        }
+        (comparison, json)
+    }
 }
 
 /// What differs, bright on the dark reference.

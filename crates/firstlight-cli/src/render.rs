@@ -2,11 +2,12 @@
 
 use crate::args::{FormatName, OutputArgs, RenderArgs};
 use crate::check::triangles;
+use crate::compare::Reference;
 use crate::layers::{self, Scenes};
 use crate::machine::{self, Signal};
 use crate::output::{Output, print_json};
 use crate::report::{self, Bar};
-use crate::{Exit, Failure, Outcome, compare, false_color, verdict};
+use crate::{Exit, Failure, Outcome, false_color, verdict};
 use firstlight::color::View;
 use firstlight::compare::Measured;
 use firstlight::diagnostic::{Diagnostic, Result, visible};
@@ -50,6 +51,9 @@ pub(crate) fn run(args: RenderArgs) -> Outcome {
     output.spare(&access.opened())?;
     check_size(&scene, &args)?;
     check_samples(&scene, args.samples)?;
+    let size = args.crop.map_or([scene.film.width, scene.film.height], |c| [c.width, c.height]);
+    let reference =
+        args.reference.as_deref().map(|path| Reference::load(path, size)).transpose()?;
     warnings.extend(verdict::opaque(&scene, output.format));
     clock.lap("load");
     let level = args.picture.level();
@@ -68,27 +72,20 @@ pub(crate) fn run(args: RenderArgs) -> Outcome {
     let doubts = args.findings.heeded(doctor.judge(&shown));
     report::warnings(&doubts);
     warnings.extend(doubts);
+    let scenes = Scenes { description: &scene, built: &built, threads, signal: &signal };
     match (&args.aov, lights) {
         (Some(wanted), Some(lights)) => {
-            let scenes = Scenes { description: &scene, built: &built };
             let metadata = metadata(&info(&args, &scene, &picture), &picture);
-            let bytes = layers::encode(wanted, &scenes, threads, &picture, &lights, &metadata)?;
-            output.write(&bytes)?;
+            output.write(&layers::encode(wanted, &scenes, &picture, &lights, &metadata)?)?;
         }
-        _ => write(
-            &args,
-            &Scenes { description: &scene, built: &built },
-            threads,
-            &picture,
-            &output,
-        )?,
+        _ => write(&args, &scenes, &picture, &output)?,
     }
     clock.lap("write");
-    let reference = args.reference.as_deref().map(|reference| {
-        let measured = Measured::of_film(&picture.rendered.film);
-        compare::with_reference(&measured, reference, args.threshold)
+    let reference = reference.map(|reference| {
+        let (film, exposure_ev) = (&picture.rendered.film, picture.exposure_ev as f32);
+        let measured = Measured::of_film(film, Some(exposure_ev), picture.view);
+        reference.compare(&measured, args.threshold)
     });
-    let reference = reference.transpose()?;
     let differs = reference.as_ref().is_some_and(|(comparison, _)| !comparison.same);
     let reference = reference.map(|(_, json)| json);
     let done =
@@ -258,7 +255,6 @@ impl Limits<'_> {
 fn write(
     args: &RenderArgs,
     scenes: &Scenes<'_>,
-    threads: usize,
     picture: &Picture,
     output: &Output,
 ) -> Outcome<()> {
@@ -266,8 +262,7 @@ fn write(
     if let Some(quantity) = args.false_color {
         let (range, metadata) = (args.false_color_range, metadata(&info, picture));
         let format = output.format;
-        let bytes =
-            false_color::encode(quantity, range, scenes, threads, picture, format, &metadata)?;
+        let bytes = false_color::encode(quantity, range, scenes, picture, format, &metadata)?;
         return output.write(&bytes);
     }
     if args.samples.is_none() {

@@ -70,6 +70,25 @@ fn a_render_is_held_to_a_reference() {
     folder.run("render scene.toml --threshold 0.1").fails(2, &["--reference"]);
 }
 
+/// The reference is what is shown: so is the picture that is held to it, with the exposure and the view that it has.
+#[test]
+fn a_render_is_held_to_what_is_shown() {
+    let folder = Folder::new();
+    for look in ["", "--exposure 2", "--exposure auto", "--view agx --exposure 1"] {
+        folder.run(&format!("render scene.toml -o a.png {look}")).done();
+        let line = format!("render scene.toml -o b.png --threshold 0.02 --reference a.png {look}");
+        folder.run(&line).done();
+        folder.run(&format!("{line} -D lights.lamp.point.power=300")).fails(4, &["differ"]);
+    }
+    folder.run("render scene.toml -o a.exr --exposure 2").done();
+    folder.run("render scene.toml -o a.png --exposure 2").done();
+    folder.run("compare a.exr a.png").done();
+    folder.run("compare a.png a.exr").done();
+    folder.run("render scene.toml -o c.png --reference none.exr").fails(2, &["none.exr"]);
+    folder.run("render scene.toml -o c.png -r 8x8 --reference a.png").fails(2, &["48 × 32"]);
+    assert!(!folder.path("c.png").exists(), "it is told before the render");
+}
+
 #[test]
 fn maps_of_light_have_a_legend() {
     let folder = Folder::new();

@@ -4,7 +4,7 @@
 mod flip;
 mod statistics;
 
-use crate::color::{Rgb, luminance, srgb_encode};
+use crate::color::{Rgb, View, luminance, srgb_encode};
 use crate::film::{Film, auto_exposure};
 use crate::image::Image;
 pub use flip::{PIXELS_PER_DEGREE, flip};
@@ -22,12 +22,31 @@ const RELATIVE_FLOOR: f64 = 0.01;
 /// A picture, and how noisy it is.
 #[derive(Debug, Clone)]
 pub struct Measured {
-    /// Linear radiance.
+    /// Linear numbers.
     pub image: Image,
     /// Variance of each pixel's luminance; `None` if that is not known.
     pub variance: Option<Vec<f64>>,
-    /// Whether it holds what is shown (PNG and the like), as opposed to radiance.
-    pub is_shown: bool,
+    /// What they are.
+    pub holds: Holds,
+}
+
+/// What the numbers of a picture are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Holds {
+    /// What is shown on a screen, as in PNG.
+    Display,
+    /// Radiance, and how it is meant to be shown.
+    Radiance {
+        /// Stops of exposure; `None`: those that suit the picture.
+        exposure_ev: Option<f32>,
+        /// What is made of light that is brighter than white.
+        view: View,
+    },
+}
+
+impl Holds {
+    /// Radiance of which nothing more is known.
+    pub const RADIANCE: Self = Self::Radiance { exposure_ev: None, view: View::Srgb };
 }
 
 /// How two pictures of one size differ.
@@ -79,14 +98,25 @@ pub struct Region {
 
 impl Measured {
     /// A picture whose noise is not known.
-    pub fn of_image(image: Image, is_shown: bool) -> Self {
-        Self { image, variance: None, is_shown }
+    pub fn of_image(image: Image, holds: Holds) -> Self {
+        Self { image, variance: None, holds }
     }
 
-    /// A picture with the noise that the difference of its two halves tells, if both have samples.
-    pub fn of_film(film: &Film) -> Self {
-        let variances: Option<Vec<f64>> = film.variances().into_iter().collect();
-        Self { image: film.image(), variance: variances, is_shown: false }
+    /// A picture of radiance, with the noise that the difference of its two halves tells, if both have samples.
+    pub fn of_film(film: &Film, exposure_ev: Option<f32>, view: View) -> Self {
+        let variance: Option<Vec<f64>> = film.variances().into_iter().collect();
+        Self { image: film.image(), variance, holds: Holds::Radiance { exposure_ev, view } }
+    }
+
+    /// What is shown of it. How noisy that is is not known, unless it is what was given.
+    fn displayed(&self) -> Self {
+        let Holds::Radiance { exposure_ev, view } = self.holds else { return self.clone() };
+        let gain = exposure_ev.map_or_else(|| auto_exposure(&self.image), f64::from).exp2() as f32;
+        let show =
+            |&[r, g, b, a]: &[f32; 4]| view.display(gain * Rgb::new(r, g, b)).extend(a).to_array();
+        let pixels = self.image.pixels().iter().map(show).collect();
+        let image = Image::from_pixels(self.image.width(), self.image.height(), pixels);
+        Self::of_image(image, Holds::Display)
     }
 
     /// The same, taken to be as noisy as this part of each pixel, if its noise is not known.
@@ -107,16 +137,20 @@ impl Measured {
 
     /// sRGB codes 0..1 of each pixel as it is shown over black, with an exposure if it is radiance.
     fn shown(&self, exposure_ev: f64) -> Vec<Rgb> {
-        let gain = if self.is_shown { 1.0 } else { exposure_ev.exp2() as f32 };
+        let gain = if self.holds == Holds::Display { 1.0 } else { exposure_ev.exp2() as f32 };
         let code = |x: f32| srgb_encode((gain * x).clamp(0.0, 1.0));
         let of = |&[r, g, b, a]: &[f32; 4]| Rgb::new(code(a * r), code(a * g), code(a * b));
         self.image.pixels().iter().map(of).collect()
     }
 }
 
-/// Compares picture `a` with the reference `b`, which must have the same size. Without a known noise, they count as the
-/// same up to a mean FLIP of `threshold`; with one, `threshold` if given is held as well.
+/// Compares picture `a` with the reference `b`, which must have the same size. If one of them is what is shown, so is the
+/// other. Without a known noise, they count as the same up to a mean FLIP of `threshold`; with one, `threshold` if given is
+/// held as well.
 pub fn compare(a: &Measured, b: &Measured, threshold: Option<f64>) -> Comparison {
+    if (a.holds == Holds::Display) != (b.holds == Holds::Display) {
+        return compare(&a.displayed(), &b.displayed(), threshold);
+    }
     let size = [b.image.width(), b.image.height()];
     let exposure = auto_exposure(&b.image);
     let flip_map = flip(&a.shown(exposure), &b.shown(exposure), size);

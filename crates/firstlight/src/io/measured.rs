@@ -2,7 +2,8 @@
 
 use super::access::{read_file, shown};
 use super::{Limits, layers, load_image, part};
-use crate::compare::Measured;
+use crate::color::View;
+use crate::compare::{Holds, Measured};
 use crate::diagnostic::Result;
 use std::path::Path;
 
@@ -15,13 +16,19 @@ pub fn load_measured(path: &Path, limits: &Limits) -> Result<Measured> {
     let bytes = read_file(path)?;
     let is_exr = bytes.starts_with(&[0x76, 0x2F, 0x31, 0x01]);
     if is_exr && let Ok(part) = part::load_part(path, limits) {
-        return Ok(Measured::of_film(&part.film));
+        let exposure_ev = part.info.exposure.map(|stops| stops as f32);
+        return Ok(Measured::of_film(&part.film, exposure_ev, part.info.view));
     }
     let image = load_image(&bytes, &shown(path), limits)?;
-    let is_linear = is_exr || bytes.starts_with(b"#?") || bytes.starts_with(b"P");
-    let variance = if is_exr { layers::load_layers(path, limits)?.rgb("variance") } else { None };
-    let variance = variance.map(|variance| variance.into_iter().map(of_luminance).collect());
-    Ok(Measured { variance, ..Measured::of_image(image, !is_linear) })
+    if is_exr {
+        let layers = layers::load_layers(path, limits)?;
+        let variance = layers.rgb("variance");
+        let variance = variance.map(|variance| variance.into_iter().map(of_luminance).collect());
+        let holds = Holds::Radiance { exposure_ev: layers.exposure_ev, view: View::default() };
+        return Ok(Measured { image, variance, holds });
+    }
+    let is_linear = bytes.starts_with(b"#?") || bytes.starts_with(b"P");
+    Ok(Measured::of_image(image, if is_linear { Holds::RADIANCE } else { Holds::Display }))
 }
 
 /// Reads variances from a picture of their own, as some renderers write them.
