@@ -206,7 +206,7 @@ impl<'a> Direct<'a> {
                 (scattered, Rgb::ZERO, glossy.len() as u32 - 1)
             };
             let ambient = self.scene.ambient_reflectance(material, &surface).unwrap_or(scattered);
-            let emitted = self.scene.emitted(material, &surface);
+            let emitted = self.scene.emitted(material, &surface, -rays[ray].direction);
             add(self.scene, samples, recorder, gain(Source::Surface(hit.surface), emitted, 0));
             add(
                 self.scene,

@@ -299,11 +299,10 @@ impl<'a> Path<'a> {
             let crossing = surface.as_ref().and_then(|surface| {
                 walk.cross(self.scene, surface, || points.pair(pairs.channel()).x)
             });
-            let before = walk;
             let scattered = walk.fly(self.scene, hit.t, || points.pair(pairs.flight()));
             if let Some((distance, phase)) = scattered {
                 let ray = Ray { t_max: distance, ..*ray };
-                recorder.follow(&before.along(bounce, &ray, &Hit::none(distance)));
+                recorder.follow(&walk.along(bounce, &ray, &Hit::none(distance)));
                 if bounce == 0 {
                     on_surface.push(walk.sample);
                 }
@@ -315,7 +314,7 @@ impl<'a> Path<'a> {
                 }
                 continue;
             }
-            recorder.follow(&before.along(bounce, ray, hit));
+            recorder.follow(&walk.along(bounce, ray, hit));
             let Some(mut surface) = surface else {
                 if bounce == 0 && self.transparent {
                     samples[walk.sample as usize].alpha = 0.0;
@@ -338,7 +337,7 @@ impl<'a> Path<'a> {
                 lobes.push(Lobe::new(Kind::Straight, Rgb::ONE));
                 Frame::around(surface.shading_normal)
             } else {
-                let emitted = self.scene.emitted(material, &surface);
+                let emitted = self.scene.emitted(material, &surface, -ray.direction);
                 if emitted != Rgb::ZERO {
                     let weight = self.weight_of_emission(&walk, &surface);
                     let source = Source::Surface(hit.surface);

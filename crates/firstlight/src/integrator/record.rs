@@ -56,7 +56,7 @@ pub(crate) struct Followed {
     pub ray: Ray,
     /// What it meets; see [`Hit::is_some`].
     pub hit: Hit,
-    /// What light along it is multiplied by on its way to the eye.
+    /// What light from its end is multiplied by on its way to the eye.
     pub throughput: Rgb,
 }
 

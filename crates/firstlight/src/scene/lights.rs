@@ -195,13 +195,19 @@ pub(super) fn environment(described: &EnvironmentDescription) -> Environment {
 }
 
 impl Scene {
-    /// Radiance that a surface emits towards where it is seen from, W·sr⁻¹·m⁻².
+    /// Radiance that a surface emits along the unit vector `outgoing`, from the side that is seen, W·sr⁻¹·m⁻².
     #[inline(always)]
-    pub(crate) fn emitted(&self, material: &Material, surface: &SurfaceInteraction) -> Rgb {
+    pub(crate) fn emitted(
+        &self,
+        material: &Material,
+        surface: &SurfaceInteraction,
+        outgoing: Vec3,
+    ) -> Rgb {
         if !emits(material) || !(surface.front || material.double_sided && material.emits_behind) {
             return Rgb::ZERO;
         }
-        self.evaluate(&material.emission, surface).xyz()
+        self.through_coat(material, surface, outgoing)
+            * self.evaluate(&material.emission, surface).xyz()
     }
 
     /// Radiance that a light emits from a sampled point along `incoming` reversed, W·sr⁻¹·m⁻²; less where it is partly
@@ -210,7 +216,7 @@ impl Scene {
     pub(crate) fn emitted_by(&self, light: &AreaLight, sample: &ShapeSample) -> Rgb {
         let material = &self.materials[self.material_of[light.surface as usize] as usize];
         let constant = material.emission.is_constant() && material.alpha == Alpha::Opaque;
-        if constant {
+        if constant && material.coat().is_none() {
             return Vec3::from_slice(&material.emission.factor);
         }
         let surface = self.at_sample(light, sample);
@@ -220,7 +226,7 @@ impl Scene {
             Alpha::Mask { cutoff } => f32::from(alpha() >= cutoff),
             Alpha::Blend => alpha().clamp(0.0, 1.0),
         };
-        there * self.emitted(material, &surface)
+        there * self.emitted(material, &surface, -sample.incoming.as_vec3())
     }
 
     /// The sampled point as if a ray had met it.

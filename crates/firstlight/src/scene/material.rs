@@ -7,7 +7,7 @@ use super::description::{
 };
 use crate::color::Rgb;
 use crate::shading::bsdf::{
-    Bsdf, Frame, Fresnel, Kind, Layers, Lobe, PrincipledPoint, Wall, above, principled,
+    Bsdf, Frame, Fresnel, Kind, Layers, Lobe, PrincipledPoint, VARNISH, Wall, above, principled,
 };
 use crate::shading::interaction::SurfaceInteraction;
 use crate::shading::texture::{Role, Spot, evaluate, uv_set};
@@ -177,6 +177,27 @@ impl Scene {
         Some(self.evaluate(material.ambient_reflectance.as_ref()?, at).xyz())
     }
 
+    /// The part of what a surface emits that its varnish lets out (KHR_materials_clearcoat).
+    #[inline(always)]
+    pub(super) fn through_coat(
+        &self,
+        material: &Material,
+        at: &SurfaceInteraction,
+        outgoing: Vec3,
+    ) -> f32 {
+        let Some(coat) = material.coat() else { return 1.0 };
+        1.0 - self.number(coat, at) * VARNISH.at(at.shading_normal.dot(outgoing).abs()).x
+    }
+
+    /// A number of a texture, 0..1.
+    fn number(&self, scalar: &Scalar, at: &SurfaceInteraction) -> f32 {
+        if scalar.texture.is_constant() {
+            return scalar.meant(scalar.texture.factor[scalar.channel]);
+        }
+        let texel = self.look_up(&scalar.texture, at, Role::Data);
+        scalar.meant(texel[scalar.channel].clamp(0.0, 1.0))
+    }
+
     /// The fraction of light that goes through a point of a pane as if it were not there.
     pub(crate) fn straight(
         &self,
@@ -197,11 +218,7 @@ impl Maker<'_> {
 
     /// A number of a texture, 0..1.
     fn number(&self, scalar: &Scalar) -> f32 {
-        if scalar.texture.is_constant() {
-            return scalar.meant(scalar.texture.factor[scalar.channel]);
-        }
-        let texel = self.scene.look_up(&scalar.texture, self.at, Role::Data);
-        scalar.meant(texel[scalar.channel].clamp(0.0, 1.0))
+        self.scene.number(scalar, self.at)
     }
 
     /// Widths of the facets along the frame's first axis and across it.
@@ -233,7 +250,7 @@ impl Maker<'_> {
             }
             Scattering::Dielectric { facets } => {
                 let eta = self.boundary.map_or(1.0, |boundary| boundary.eta);
-                layers.glass(eta, self.alpha(facets), color());
+                layers.glass(eta, self.alpha(facets), color(), None);
             }
             Scattering::ThinGlass { index } => layers.window(*index, color()),
             Scattering::Principled(p) => principled(layers, &self.principled(p, color())),

@@ -207,13 +207,17 @@ fn m26(readings: &mut Readings) {
         (0.6, 1.0_f64, [0.0243103801, 0.931089789]),
     ] {
         let glass = Glass { facets: facets(alpha), eta: 1.5, once: 1.0 };
-        alone(Kind::Glass { glass, tint: Rgb::ONE }, direction(cos.acos(), 0.0), |bsdf| {
-            for (side, name) in ["R", "T"].into_iter().enumerate() {
-                let measure = |seed| power(bsdf, facets(alpha), 1.5, 1 << 13, seed)[side];
-                readings.repeated(format!("{alpha}, {cos}, {name}"), measure, expected[side]);
-                // The table's quadrature is right to 5e-5, which more samples find out.
-                readings.known_to_tolerance();
-            }
-        });
+        alone(
+            Kind::Glass { glass, tint: Rgb::ONE, gloss: None },
+            direction(cos.acos(), 0.0),
+            |bsdf| {
+                for (side, name) in ["R", "T"].into_iter().enumerate() {
+                    let measure = |seed| power(bsdf, facets(alpha), 1.5, 1 << 13, seed)[side];
+                    readings.repeated(format!("{alpha}, {cos}, {name}"), measure, expected[side]);
+                    // The table's quadrature is right to 5e-5, which more samples find out.
+                    readings.known_to_tolerance();
+                }
+            },
+        );
     }
 }

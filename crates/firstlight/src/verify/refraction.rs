@@ -17,7 +17,7 @@ pub(super) const CASES: &[Case] = &[Case::exact(
 fn refracted(direction: Vec3, eta: f32) -> Vec3 {
     let mut lobes = Vec::new();
     let mut layers = Layers::new(&mut lobes, -direction);
-    layers.glass(eta, Vec2::ZERO, Rgb::ONE);
+    layers.glass(eta, Vec2::ZERO, Rgb::ONE, None);
     layers.finish();
     lobes.retain(|lobe: &Lobe| matches!(lobe.kind, Kind::Refraction { .. }));
     lobes.iter_mut().for_each(|lobe| lobe.share = 1.0);

@@ -51,6 +51,27 @@ impl Fresnel {
     }
 }
 
+/// What a boundary of a solid reflects from outside, if that is not what its index says (KHR_materials_specular,
+/// _iridescence): by Schlick's formula.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Gloss {
+    /// At normal incidence, 0..1.
+    pub normal: Rgb,
+    /// At grazing incidence, 0..1.
+    pub grazing: f32,
+}
+
+impl Gloss {
+    /// The fraction reflected of light that arrives with a cosine from either side; `eta`: index beyond over index here.
+    pub(crate) fn at(self, cos: f32, eta: f32) -> Rgb {
+        let Self { normal, grazing } = self;
+        let (_, beyond) = dielectric(cos.into(), eta.into());
+        let Some(beyond) = beyond else { return Rgb::ONE };
+        let outside = if eta < 1.0 { beyond as f32 } else { cos };
+        Fresnel::Schlick { normal, grazing }.at(outside)
+    }
+}
+
 /// (1 − cos)⁵
 pub(crate) fn schlick_weight(cos: f32) -> f32 {
     let m = (1.0 - cos).clamp(0.0, 1.0);

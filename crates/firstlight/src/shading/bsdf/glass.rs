@@ -1,7 +1,8 @@
 //! A rough boundary between two transparent media.
 
-use super::fresnel::dielectric;
+use super::fresnel::{Gloss, dielectric};
 use super::ggx::{Ggx, mirrored, refracted};
+use crate::color::Rgb;
 use glam::{DVec3, Vec2, Vec3};
 
 /// Walter et al., *Microfacet Models for Refraction through Rough Surfaces*, 2007.
@@ -35,6 +36,17 @@ impl Glass {
         let spread = cos_i + cos_o / eta;
         let power = ((1.0 - reflected) * cos_i.abs() / (spread * spread)) as f32 * seen * hidden;
         (power / (self.eta * self.eta), power / self.once)
+    }
+
+    /// What the light of [`Glass::eval`] is to be multiplied by if facets reflect by `gloss`.
+    pub(crate) fn glossed(&self, outgoing: Vec3, incoming: Vec3, gloss: Gloss) -> Rgb {
+        let (_, cos, _) = self.facet(outgoing, incoming);
+        let (exact, _) = dielectric(cos.min(1.0), self.eta.into());
+        let reflected = gloss.at(cos.min(1.0) as f32, self.eta);
+        match incoming.z > 0.0 {
+            true => reflected / exact as f32,
+            false => (Rgb::ONE - reflected) / (1.0 - exact) as f32,
+        }
     }
 
     /// The facet that sends light from `incoming` to `outgoing`, and its cosines with both. In double precision: where

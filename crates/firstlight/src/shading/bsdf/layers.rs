@@ -6,7 +6,7 @@
 
 use super::albedo;
 use super::diffuse::Eon;
-use super::fresnel::{Fresnel, dielectric};
+use super::fresnel::{Fresnel, Gloss, dielectric};
 use super::ggx::Ggx;
 use super::glass::Glass;
 use super::sheen::Sheen;
@@ -27,6 +27,9 @@ pub(crate) struct Layers<'a> {
     /// The fraction of light that the lobes scatter, as far as there are any.
     scattered: Rgb,
 }
+
+/// What varnish of index 1.5 reflects.
+pub(crate) const VARNISH: Fresnel = Fresnel::Schlick { normal: Rgb::splat(0.04), grazing: 1.0 };
 
 /// How wide facets lean along tangent and bitangent: roughness², not yet bounded below.
 pub(crate) type Alpha = Vec2;
@@ -87,24 +90,27 @@ impl<'a> Layers<'a> {
         once * gain
     }
 
-    /// The boundary of a transparent solid; `eta`: index beyond over index here, `tint`: colours what passes.
-    pub(crate) fn glass(&mut self, eta: f32, alpha: Alpha, tint: Rgb) {
+    /// The boundary of a transparent solid; `eta`: index beyond over index here, `tint`: colours what passes, `gloss`: what
+    /// it reflects, if that is not what the index says.
+    pub(crate) fn glass(&mut self, eta: f32, alpha: Alpha, tint: Rgb, gloss: Option<Gloss>) {
         let cos = self.outgoing.z;
         if (eta - 1.0).abs() < Interior::NOTHING {
             return self.add(Kind::Straight, tint, Rgb::ONE);
         }
         let Some(facets) = rough(alpha) else {
-            let (reflected, beyond) = dielectric(cos.into(), eta.into());
-            self.add(Kind::Mirror, Rgb::splat(reflected as f32), Rgb::ONE);
+            let (exact, beyond) = dielectric(cos.into(), eta.into());
+            let exact = Rgb::splat(exact as f32);
+            let reflected = gloss.map_or(exact, |gloss| gloss.at(cos, eta));
+            self.add(Kind::Mirror, reflected, Rgb::ONE);
             if let Some(beyond) = beyond {
-                let (passes, squeezed) = ((1.0 - reflected) as f32, eta * eta);
+                let (passes, squeezed) = (Rgb::ONE - reflected, eta * eta);
                 let kind = Kind::Refraction { eta, cos_beyond: beyond as f32 };
                 self.add(kind, passes / squeezed * tint, Rgb::splat(squeezed));
             }
             return;
         };
         let once = albedo::glass(self.outgoing, facets.alpha, eta);
-        let kind = Kind::Glass { glass: Glass { facets, eta, once }, tint };
+        let kind = Kind::Glass { glass: Glass { facets, eta, once }, tint, gloss };
         self.add(kind, Rgb::splat(1.0 / once), Rgb::splat(once));
     }
 
@@ -138,8 +144,7 @@ impl<'a> Layers<'a> {
         if tilt != Vec2::ZERO {
             self.outgoing = above(Frame::around(normal).to_local(seen));
         }
-        let fresnel = Fresnel::Schlick { normal: Rgb::splat(0.04), grazing: 1.0 };
-        let reflected = self.facets(fresnel, alpha).x;
+        let reflected = self.facets(VARNISH, alpha).x;
         self.lobes[first..].iter_mut().for_each(|lobe| lobe.tilt = tilt);
         (self.left, self.outgoing) = (below * (1.0 - amount * reflected), seen);
     }

@@ -15,10 +15,10 @@ mod sheen;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use fresnel::{Fresnel, dielectric};
+pub(crate) use fresnel::{Fresnel, Gloss, dielectric};
 pub(crate) use ggx::{Ggx, mirrored, refracted};
 pub(crate) use glass::Glass;
-pub(crate) use layers::Layers;
+pub(crate) use layers::{Layers, VARNISH};
 pub(crate) use principled::{PrincipledPoint, Wall, principled};
 
 use crate::color::Rgb;
@@ -68,6 +68,8 @@ pub(crate) enum Kind {
         glass: Glass,
         /// Colour of what passes.
         tint: Rgb,
+        /// What they reflect, if that is not what the index says.
+        gloss: Option<Gloss>,
     },
     /// Fibres.
     Sheen(Sheen),
@@ -334,9 +336,12 @@ impl Lobe {
                 let (value, power) = reflect(facets, fresnel, outgoing, incoming);
                 (value, power / once)
             }
-            Kind::Glass { glass, tint } => {
+            Kind::Glass { glass, tint, gloss } => {
                 let (value, pdf) = glass.eval(outgoing, incoming);
-                (if reflects { Rgb::splat(value) } else { value * tint }, pdf)
+                let tint = if reflects { Rgb::ONE } else { tint };
+                let glossed =
+                    gloss.filter(|_| pdf > 0.0).map(|g| glass.glossed(outgoing, incoming, g));
+                (value * tint * glossed.unwrap_or(Rgb::ONE), pdf)
             }
             Kind::Phase(phase) => same(phase.pdf(-outgoing, incoming)),
             _ => same(0.0),

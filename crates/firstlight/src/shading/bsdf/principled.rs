@@ -1,7 +1,7 @@
 //! glTF's metallic-roughness surface with its ratified extensions, at one point.
 
 use super::Kind;
-use super::fresnel::{Fresnel, normal_reflectance, thin_film};
+use super::fresnel::{Fresnel, Gloss, dielectric, normal_reflectance, thin_film};
 use super::layers::{Alpha, Layers};
 use crate::color::Rgb;
 use glam::{Vec2, Vec3};
@@ -124,7 +124,10 @@ impl PrincipledPoint {
         match self.wall {
             _ if self.transmission <= 0.0 => {}
             Wall::Thin => layers.pane(self.reflection(layers.outgoing.z), alpha, self.base_color),
-            Wall::Solid { eta, .. } => layers.glass(eta, alpha, self.base_color),
+            Wall::Solid { eta, .. } => {
+                let gloss = self.gloss(layers.outgoing.z, eta);
+                layers.glass(eta, alpha, self.base_color, gloss);
+            }
         }
         layers.left = left * (1.0 - self.transmission);
         if layers.left != Rgb::ZERO {
@@ -137,10 +140,26 @@ impl PrincipledPoint {
         }
     }
 
+    /// What the boundary of a solid reflects, if that is not what its index says; seen with a cosine from either side.
+    fn gloss(&self, cos: f32, eta: f32) -> Option<Gloss> {
+        let plain = self.specular == 1.0 && self.specular_color == Rgb::ONE;
+        if plain && self.iridescence <= 0.0 {
+            return None;
+        }
+        let (_, beyond) = dielectric(cos.into(), eta.into());
+        let outside = if eta < 1.0 { beyond.unwrap_or(0.0) as f32 } else { cos };
+        Some(Gloss { normal: self.normal(outside), grazing: self.specular })
+    }
+
     /// The dielectric's reflection: KHR_materials_ior, _specular, _iridescence.
     fn reflection(&self, cos: f32) -> Fresnel {
+        Fresnel::Schlick { normal: self.normal(cos), grazing: self.specular }
+    }
+
+    /// The same at normal incidence.
+    fn normal(&self, cos: f32) -> Rgb {
         let base = if self.ior.is_finite() { normal_reflectance(self.ior) } else { 1.0 };
         let normal = (base * self.specular_color).min(Rgb::ONE) * self.specular;
-        Fresnel::Schlick { normal: self.under_film(cos, normal), grazing: self.specular }
+        self.under_film(cos, normal)
     }
 }

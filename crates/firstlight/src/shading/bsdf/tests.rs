@@ -62,7 +62,7 @@ fn white(kind: usize, roughness: f32, outgoing: Vec3) -> Vec<Lobe> {
         1 => lobes(outgoing, |l| l.window(1.5, Rgb::ONE)),
         2..9 => {
             let eta = [1.05, 1.33, 1.5, 2.4, 1.0 / 1.33, 1.0 / 1.5, 1.0 / 2.4][kind - 2];
-            lobes(outgoing, |l| l.glass(eta, alpha(roughness), Rgb::ONE))
+            lobes(outgoing, |l| l.glass(eta, alpha(roughness), Rgb::ONE, None))
         }
         _ => principled_lobes(outgoing, &points[kind - 9]),
     }

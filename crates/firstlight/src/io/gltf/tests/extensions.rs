@@ -63,6 +63,11 @@ fn every_extension_has_the_value_that_its_specification_gives() {
         both(base([1.0; 3]), both(with("transmission", json!({ "transmissionFactor": 1 })), keys))
     };
     let volume = |keys: Value| clear(both(with("ior", json!({ "ior": 1 })), with("volume", keys)));
+    // Of what passes, black glass leaves nothing.
+    let solid = |keys: Value| {
+        let volume = with("volume", json!({ "thicknessFactor": 1 }));
+        both(both(with("transmission", json!({ "transmissionFactor": 1 })), volume), keys)
+    };
     let cases = [
         (json!({}), grey(0.04)),
         (both(metal, base([0.9, 0.5, 0.1])), [0.9, 0.5, 0.1]),
@@ -92,6 +97,23 @@ fn every_extension_has_the_value_that_its_specification_gives() {
                 with("emissive_strength", json!({ "emissiveStrength": 3 })),
             ),
             [0.79, 1.54, 3.04],
+        ),
+        (
+            both(
+                json!({ "emissiveFactor": [0.25, 0.5, 1] }),
+                with("clearcoat", json!({ "clearcoatFactor": 0.5 })),
+            ),
+            [0.25_f32, 0.5, 1.0].map(|emitted| 0.02 + 0.98 * (0.04 + emitted)),
+        ),
+        (solid(json!({})), grey(0.04)),
+        (solid(with("specular", json!({ "specularFactor": 0.25 }))), grey(0.01)),
+        (solid(with("specular", json!({ "specularColorFactor": [2, 0.5, 0] }))), [0.08, 0.02, 0.0]),
+        (
+            solid(with(
+                "iridescence",
+                json!({ "iridescenceFactor": 1, "iridescenceThicknessMaximum": 0 }),
+            )),
+            grey(0.04),
         ),
         (both(base([0.3, 0.2, 0.1]), with("unlit", json!({}))), [0.3, 0.2, 0.1]),
         (
@@ -142,6 +164,10 @@ fn every_parameter_changes_the_picture() {
         let open = with("transmission", json!({ "transmissionFactor": 1 }));
         both(both(open, solid), with("dispersion", json!({ "dispersion": dispersion })))
     };
+    let rough = |keys: Value| {
+        let rough = json!({ "pbrMetallicRoughness": { "roughnessFactor": 0.4 } });
+        both(both(glass(0.0), rough), keys)
+    };
     let pairs = [
         (json!({}), sheen(0.5, 0.3)),
         (sheen(0.5, 0.3), sheen(0.5, 0.8)),
@@ -157,6 +183,8 @@ fn every_parameter_changes_the_picture() {
             with("clearcoat", json!({ "clearcoatFactor": 1, "clearcoatRoughnessFactor": 0.7 })),
         ),
         (glass(0.0), glass(5.0)),
+        (rough(json!({})), rough(with("specular", json!({ "specularColorFactor": [9, 1, 1] })))),
+        (rough(json!({})), rough(film(json!({})))),
     ];
     for (one, other) in pairs {
         let (a, b) = (off_centre(one.clone()), off_centre(other.clone()));
