@@ -5,13 +5,14 @@ use crate::output::{print, print_json};
 use crate::{Exit, Failure, Outcome, drawing, report};
 use firstlight::diagnostic::{Diagnostic, visible};
 use firstlight::explain::{
-    Explanation, Lighting, Met, Shown, Step, Term, Verdict, differences, explain,
+    Explanation, Lighting, Met, Shown, Step, Term, Verdict, differences, explain, light_names,
 };
 use firstlight::io::{self, Warnings};
 use firstlight::render::{RenderOptions, render, with_threads};
 use firstlight::units;
 use firstlight::{BuildQuality, Scene, SceneDescription, auto_exposure};
 use serde_json::json;
+use std::collections::BTreeSet;
 use std::fmt::{self, Display, Formatter, Write};
 use std::ops::ControlFlow;
 
@@ -26,6 +27,9 @@ pub(crate) fn run(args: &ExplainArgs) -> Outcome {
     let level = args.picture.level();
     let scene =
         with_threads(threads, || Scene::build_with(&description, level, BuildQuality::Final));
+    if let Some(name) = &args.why_not {
+        check_light(&light_names(&scene, &description), name)?;
+    }
     let exposure = exposure(&scene, threads);
     let explanation = explain(&scene, &description, args.pixel, exposure);
     let other = args.compare.map(|pixel| explain(&scene, &description, pixel, exposure));
@@ -54,6 +58,16 @@ fn check_pixel(scene: &SceneDescription, [x, y]: [u32; 2]) -> Outcome<()> {
     let message = format!("{x},{y} is outside of the picture of {width} × {height}");
     let help = format!("the lower right corner is {},{}", width - 1, height - 1);
     Err(Diagnostic::new("--pixel", message).help(help).into())
+}
+
+/// Whether there is a light of that name.
+fn check_light(known: &BTreeSet<String>, name: &str) -> Outcome<()> {
+    if known.contains(name) {
+        return Ok(());
+    }
+    let error = Diagnostic::new("--why-not", format!("there is no light \"{name}\""));
+    let known = known.iter().map(String::as_str).collect::<Vec<_>>().join(", ");
+    Err(error.help(format!("there are {known}")).into())
 }
 
 /// The exposure of the picture; to find it automatically, all of it has to be rendered.
@@ -108,6 +122,9 @@ impl Text<'_> {
                 }
                 None => writeln!(f, "{:<12} nothing", "meets")?,
             },
+        }
+        if step.throughput != [1.0; 3] {
+            writeln!(f, "{:<12} × {} on the way to the eye", "", triple(step.throughput))?;
         }
         for (source, radiance) in &step.gained {
             let gives = triple(*radiance);
@@ -241,7 +258,7 @@ fn verdict(verdict: &Verdict) -> String {
     match verdict {
         Verdict::Lit => "nothing is in the way".into(),
         Verdict::Tinted { passed } => {
-            format!("passes through panes that leave {}", triple(*passed))
+            format!("passes through panes or fog that leave {}", triple(*passed))
         }
         Verdict::Unshadowed => "casts no shadows".into(),
         Verdict::Blocked { by, distance, at } => {

@@ -110,6 +110,35 @@ fn lights_that_give_nothing_say_why() {
     assert_eq!(lit, Verdict::Unshadowed);
 }
 
+/// Lights with an extent that shine elsewhere: they are above the horizon.
+#[test]
+fn lights_of_some_size_that_shine_elsewhere_say_so() {
+    let verdict = |name: &str, more: &[&str]| {
+        let explanation = middle(BOARD, more);
+        let light = explanation.path[0].lights.iter().find(|light| light.source == name);
+        (light.unwrap().verdict.clone(), explanation.cause.kind)
+    };
+    let dark = ["lights.key.point.intensity=0", "lights.below.directional.irradiance=0"];
+    let round = [dark[0], dark[1], "lights.spot.spot.radius=0.01"];
+    assert_eq!(verdict("spot", &round).0, Verdict::OutsideBeam);
+    let panel = "surfaces.panel={quad={corner=[1, -1, 2], edge_u=[2, 0, 0], edge_v=[0, 2, 0]}, light={radiance=1}}";
+    assert_eq!(verdict("panel", &[panel]).0, Verdict::OutsideBeam);
+    let below = panel.replace("2], edge_u", "-2], edge_u");
+    assert_eq!(verdict("panel", &[&below]).0, Verdict::FacesAway);
+}
+
+/// What comes from everywhere has no place: E = π L, and f is the BSDF's mean.
+#[test]
+fn ambient_light_with_a_reach_is_no_lamp_nearby() {
+    let explanation = middle(BOARD, &["lights.sky.ambient={radiance=0.5, reach=0.4}"]);
+    let light = explanation.path[0].lights.iter().find(|light| light.source == "sky").unwrap();
+    assert_eq!((light.distance, light.geometry_factor, light.cos), (None, None, None));
+    let near = |a: f32, b: f64| assert!((f64::from(a) / b - 1.0).abs() < 1e-5, "{a} is not {b}");
+    near(light.irradiance[0], 0.5 * PI);
+    near(light.bsdf[0], 0.5 / PI);
+    near(light.radiance[0], 0.25);
+}
+
 #[test]
 fn dark_pixels_have_causes() {
     let cause = |more: &[&str]| middle(BOARD, more).cause;

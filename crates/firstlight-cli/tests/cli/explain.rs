@@ -53,7 +53,26 @@ fn pixels_outside_are_refused() {
     let folder = Folder::new();
     folder.run(&format!("{TOP} --pixel 48,0")).fails(2, &["48 × 32", "47,31"]);
     folder.run(&format!("{TOP} --pixel 1")).fails(2, &["two whole numbers"]);
-    folder.run(&format!("{TOP} --pixel 1,1 --why-not sun")).done();
+    folder.run(&format!("{TOP} --pixel 1,1 --why-not sun")).fails(2, &["\"sun\"", "lamp"]);
+}
+
+/// The light of a pixel in fog, by its terms: f · E, what passes to there, and what from there to the eye.
+#[test]
+fn what_fog_takes_is_told() {
+    let folder = Folder::new();
+    let fog = "-D medium.extinction=0.1 -D medium.albedo=0";
+    let told = folder.run(&format!("{TOP} --pixel 24,8 --json {fog}")).done().json();
+    let step = &told["path"][0];
+    let light = &step["lights"][0];
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    let passed = number(&light["verdict"]["passed"][0]);
+    let product = number(&light["bsdf"][0]) * number(&light["irradiance"][0]) * passed;
+    let product = product * number(&step["throughput"][0]);
+    assert!((product / number(&light["radiance"][0]) - 1.0).abs() < 1e-5, "{told}");
+    let left = (-0.1 * number(&step["met"]["distance"])).exp();
+    assert!((number(&step["throughput"][0]) / left - 1.0).abs() < 1e-5, "{told}");
+    let text = folder.run(&format!("{TOP} --pixel 24,8 {fog}")).done().text();
+    assert!(text.contains("on the way to the eye") && text.contains("or fog"), "{text}");
 }
 
 #[test]
@@ -78,6 +97,11 @@ fn lights_are_mixed_again() {
     folder.run("relight all.exr --light lamp=off -o ambient.exr -q").done();
     folder.run("relight all.exr --only fill -o only.exr -q").done();
     assert_eq!(read("ambient.exr"), read("only.exr"));
+    folder.run("render scene.toml -D luminous_efficacy=179 --aov light -o all.exr -q").done();
+    let ran =
+        folder.command("relight all.exr -o a.png --exposure").arg("1/125 f/8 ISO 100").output();
+    let told = String::from_utf8(ran.unwrap().stderr).unwrap();
+    assert!(told.contains("exposure -3.8"), "{told}");
     folder.run("relight all.exr --light lmap=2 -o x.exr").fails(2, &["lmap", "fill, lamp"]);
     folder.run("relight plain.exr -o x.exr").fails(2, &["no layers of light", "--aov light"]);
     folder.run("render scene.toml --aov light -o x.png").fails(2, &["no room for layers", ".exr"]);

@@ -5,13 +5,14 @@ use crate::color::luminance;
 use crate::geometry::{Hit, Ray};
 use crate::integrator::{Asked, Followed, Gain, Record, Source, Way};
 use crate::render::{PASS, replay};
-use crate::scene::description::SceneDescription;
+use crate::scene::description::{Integrator, SceneDescription};
 use crate::scene::{Everything, Scene};
 use crate::shading::interaction::SurfaceInteraction;
 use crate::units::photometric;
-use glam::Vec3;
+use glam::{DVec2, Vec3};
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::f32::consts::PI;
 
 /// Surfaces along the camera ray that are named besides the one it met.
 const MOST_IGNORED: usize = 8;
@@ -27,7 +28,7 @@ pub struct Step {
     pub direction: [f32; 3],
     /// The range in which it looks, m: from, exclusive, and to; nothing if there is no end.
     pub t_range: (f32, Option<f32>),
-    /// What light along it is multiplied by on its way to the eye.
+    /// What light from its end is multiplied by on its way to the eye.
     pub throughput: [f32; 3],
     /// What it met; nothing if it left the scene, or was scattered on its way.
     pub met: Option<Met>,
@@ -122,7 +123,7 @@ pub struct Lighting {
 pub enum Verdict {
     /// It arrives.
     Lit,
-    /// It arrives, tinted by panes.
+    /// It arrives, weakened by panes or fog.
     Tinted {
         /// What is left of it.
         passed: [f32; 3],
@@ -188,7 +189,7 @@ impl Board<'_> {
         let met = point.as_ref().map(|point| self.met(point, *bounce, ray));
         let ended_in_fog = !hit.is_some() && ray.t_max.is_finite();
         let lights = match ended_in_fog || point.is_some() {
-            true => self.lights(point.as_ref(), *bounce),
+            true => self.lights(point.as_ref(), ray.at(hit.t), *bounce),
             false => Vec::new(),
         };
         let of_step = |gain: &&Gain| gain.sample == self.place && gain.bounce == *bounce;
@@ -246,8 +247,8 @@ impl Board<'_> {
         ignored
     }
 
-    /// All lights at a point of a surface or in fog, the strongest first.
-    fn lights(&self, point: Option<&Point>, bounce: u32) -> Vec<Lighting> {
+    /// All lights at a place in fog or, if there is a `point`, on a surface; the strongest first.
+    fn lights(&self, point: Option<&Point>, place: Vec3, bounce: u32) -> Vec<Lighting> {
         let mut asked_of = BTreeMap::<Source, Vec<&Asked>>::new();
         for asked in &self.record.asked {
             if (asked.gain.sample, asked.gain.bounce) == (self.place, bounce) {
@@ -258,10 +259,8 @@ impl Board<'_> {
             asked_of.iter().map(|(source, all)| self.lighting(point, *source, all)).collect();
         let strength = |light: &Lighting| luminance(light.radiance.into());
         lights.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
-        if let Some(point) = point {
-            let silent = self.sources().into_iter().filter(|source| !asked_of.contains_key(source));
-            lights.extend(silent.map(|source| self.silent(point, source, bounce)));
-        }
+        let silent = self.sources().into_iter().filter(|source| !asked_of.contains_key(source));
+        lights.extend(silent.map(|source| self.silent(point, place, source, bounce)));
         lights.truncate(MOST_LIGHTS);
         lights
     }
@@ -287,13 +286,16 @@ impl Board<'_> {
             gives(a).total_cmp(&gives(b)).then(may_give(a).total_cmp(&may_give(b)))
         };
         let strongest = asked.iter().max_by(order).map_or(asked[0], |asked| asked);
-        // Fog faces all ways.
-        let cos = |asked: &Asked| point.map(|point| point.cos(asked.incoming));
-        let part = |asked: &Asked| cos(asked).map_or(1.0, f32::abs);
+        // What comes from everywhere is a mean over all directions; fog faces all ways.
+        let everywhere = self.is_everywhere(source);
+        let cos =
+            |asked: &Asked| point.filter(|_| !everywhere).map(|point| point.cos(asked.incoming));
+        let part = |asked: &Asked| cos(asked).map_or(if everywhere { PI } else { 1.0 }, f32::abs);
         let on_surface = |asked: &&Asked| asked.irradiance * part(asked);
         let irradiance: Vec3 = asked.iter().map(on_surface).sum();
         let radiance: Vec3 = asked.iter().map(|asked| asked.gain.radiance * asked.passed).sum();
-        let distance = strongest.ray.map(|ray| ray.t_max).filter(|distance| distance.is_finite());
+        let distance = strongest.ray.filter(|_| !everywhere).map(|ray| ray.t_max);
+        let distance = distance.filter(|distance| distance.is_finite());
         Lighting {
             source: source.name(self.description),
             kind: source.kind(self.description),
@@ -310,7 +312,16 @@ impl Board<'_> {
         }
     }
 
+    /// Whether a light has no place and no direction, but a sky of its own that near surfaces hide.
+    fn is_everywhere(&self, source: Source) -> bool {
+        let is_occlusion = matches!(self.scene.integrator, Integrator::AmbientOcclusion { .. });
+        is_occlusion || ["ambient", "look"].contains(&source.kind(self.description))
+    }
+
     fn verdict(&self, asked: &Asked) -> Verdict {
+        if asked.irradiance == Vec3::ZERO {
+            return Verdict::OutsideBeam;
+        }
         let Some(ray) = asked.ray else { return Verdict::Unshadowed };
         match stopped_by(self.scene, asked, &ray) {
             Some((surface, distance)) => {
@@ -322,28 +333,44 @@ impl Board<'_> {
         }
     }
 
+    /// The direction of a part of an emitting surface that shines to a place; `None` if none does.
+    fn toward(&self, surface: u32, place: Vec3) -> Option<Vec3> {
+        let mut parts = self.scene.area_lights.iter().filter(|light| light.surface == surface);
+        let sample = parts.find_map(|light| light.sample(place.as_dvec3(), DVec2::splat(0.5)))?;
+        Some(sample.incoming.as_vec3())
+    }
+
     fn share(&self, key: (Source, u32)) -> f64 {
         self.terms.iter().find(|term| term.key == key).map_or(0.0, |term| term.share)
     }
 
     /// A light that gave nothing.
-    fn silent(&self, point: &Point, source: Source, bounce: u32) -> Lighting {
-        let place = |numbers: &[u32]| {
-            let Source::Light(wanted) = source else { return None };
-            numbers.iter().position(|number| *number == wanted)
+    fn silent(&self, point: Option<&Point>, place: Vec3, source: Source, bounce: u32) -> Lighting {
+        let sample = match source {
+            Source::Light(wanted) => {
+                let mut numbers = self.scene.light_numbers.iter();
+                let found = numbers.position(|number| *number == wanted);
+                found.map(|i| self.scene.lights[i].sample(place.as_dvec3()))
+            }
+            _ => None,
         };
-        let position = point.at.position.as_dvec3();
-        let found = place(&self.scene.light_numbers).map(|i| &self.scene.lights[i]);
-        let sample = found.and_then(|light| light.sample(position));
-        let cos = sample.map(|sample| point.cos(sample.incoming));
+        let toward = match (source, sample) {
+            (Source::Surface(surface), _) => Some(self.toward(surface, place)),
+            (_, sample) => sample.map(|sample| sample.map(|sample| sample.incoming)),
+        };
         let all_asked = Way::of(self.scene, false).asks_all(bounce);
-        let verdict = match (found, cos) {
-            (Some(_), None) => Verdict::OutsideBeam,
-            (Some(_), Some(cos)) if cos <= 0.0 => Verdict::FacesAway,
-            (Some(_), Some(_)) if all_asked => Verdict::NotScattered,
-            (None, _) if all_asked => Verdict::FacesAway,
+        let cos = |incoming: Vec3| point.map(|point| point.cos(incoming));
+        let verdict = match toward {
+            Some(None) => Verdict::OutsideBeam,
+            Some(Some(incoming)) if cos(incoming).is_some_and(|cos| cos <= 0.0) => {
+                Verdict::FacesAway
+            }
+            Some(_) if all_asked => Verdict::NotScattered,
+            None if all_asked => Verdict::FacesAway,
             _ => Verdict::NotAsked,
         };
+        let sample = sample.flatten();
+        let cos = sample.and_then(|sample| cos(sample.incoming));
         let distance = sample.map(|s| s.distance).filter(|distance| distance.is_finite());
         let irradiance =
             sample.map_or(Vec3::ZERO, |sample| sample.irradiance * cos.unwrap_or(0.0).max(0.0));

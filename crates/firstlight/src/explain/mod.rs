@@ -14,10 +14,12 @@ pub use difference::{Difference, differences};
 pub use sums::{Shadow, Term};
 
 use crate::color::{Rgb, View, srgb_code8};
+use crate::layers::sources;
 use crate::render::replay;
 use crate::scene::Scene;
 use crate::scene::description::SceneDescription;
 use serde::Serialize;
+use std::collections::BTreeSet;
 use sums::Sums;
 
 /// All that makes a pixel. Lengths are in m, radiance in W·sr⁻¹·m⁻², per channel of linear Rec. 709.
@@ -71,6 +73,11 @@ impl Shown {
 /// Luminance of linear Rec. 709 in double precision.
 fn luminance_of([r, g, b]: [f64; 3]) -> f64 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
+/// The names of all that light can come from in a scene, which was built from `description`.
+pub fn light_names(scene: &Scene, description: &SceneDescription) -> BTreeSet<String> {
+    sources(scene).into_iter().map(|source| source.name(description)).collect()
 }
 
 /// Explains the pixel in column `x`, row `y`, which must lie inside the picture. `scene` was built from `description`;
