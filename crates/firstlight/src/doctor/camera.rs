@@ -23,7 +23,7 @@ impl Doctor<'_> {
         findings.into_iter().flatten().collect()
     }
 
-    /// A camera that sees the inside of one surface, and nothing of what is outside of it.
+    /// A camera that sees the inside of one surface that is no lit room, and nothing of what is outside of it.
     fn is_inside(&self, camera: &CameraDescription) -> Option<Diagnostic> {
         let surface = self.probes.rays.first().map(|probe| probe.hit.surface)?;
         let rays = &self.probes.rays;
@@ -31,7 +31,8 @@ impl Doctor<'_> {
         let behind = self.probes.seen().all(|witness| !witness.front);
         let met: BTreeSet<_> =
             self.probes.witnesses.iter().map(|witness| witness.surface).collect();
-        if !around || !behind || met.len() > 1 || !self.something_outside(surface) {
+        let alone = around && behind && met.len() <= 1;
+        if !alone || self.holds_light(surface) || !self.something_outside(surface) {
             return None;
         }
         let message = format!(

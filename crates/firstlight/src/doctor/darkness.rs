@@ -4,13 +4,15 @@ use super::lights::is_off;
 use super::probes::Witness;
 use super::tally::{Ask, Tally};
 use super::{Doctor, named, percent};
-use crate::scene::description::{LightDescription, Projection};
+use crate::scene::description::{Integrator, LightDescription, Projection};
 use crate::scene::light_middle;
 use crate::units::{self, Dimension, Measure};
 use std::f64::consts::PI;
 
 /// Lights that are asked.
 const LIGHTS: usize = 32;
+/// The part of light that might as well be none.
+const NOTHING: f32 = 1e-4;
 
 impl Doctor<'_> {
     /// Why these points are dark, to be added to a sentence that says that they are; and what helps.
@@ -25,35 +27,61 @@ impl Doctor<'_> {
                 "give it more than 0, or add a light".into(),
             );
         }
+        if let Integrator::Path { bounces: Some(0) } = self.description.integrator {
+            return (
+                ": the integrator path has 0 bounces, and shows nothing but what shines itself"
+                    .into(),
+                "give it more, or leave the number out: it is followed as far as it counts".into(),
+            );
+        }
+        let tally = self.reached(points);
+        self.blocked(&tally).unwrap_or_else(|| self.say(&tally, points.first().copied()))
+    }
+
+    /// What stands in the way of most of the light to these points, as [`Doctor::why_dark`] has it.
+    pub(super) fn in_the_way(&self, points: &[&Witness]) -> Option<(String, String)> {
+        self.blocked(&self.reached(points))
+    }
+
+    /// Which lights reach these points.
+    fn reached(&self, points: &[&Witness]) -> Tally {
         let points: Vec<Witness> = points.iter().map(|point| **point).collect();
+        let lights = &self.description.lights;
         let mut tally = Tally::default();
         for light in lights.iter().filter_map(|l| light_middle(l, self.scene.camera())).take(LIGHTS)
         {
             let ask: &Ask<'_> = &|witness, _| Self::ask_light(&light, witness);
             tally.add(&self.tally(ask, &points));
         }
-        self.say(&tally, points.first())
+        tally
+    }
+
+    fn blocked(&self, tally: &Tally) -> Option<(String, String)> {
+        let (surface, count) = tally.blocked.iter().max_by_key(|(_, count)| **count)?;
+        (4 * *count >= tally.points() && *count > tally.lit).then(|| {
+            let part = match f64::from(*count) / f64::from(tally.points()) {
+                1.0 => "every shadow ray hits".into(),
+                part => format!("{} of the shadow rays hit", percent(part)),
+            };
+            let name = self.quoted(*surface);
+            (
+                format!(": {part} {name}"),
+                format!("move {name} or the lights, or let light through it"),
+            )
+        })
     }
 
     fn say(&self, tally: &Tally, first: Option<&Witness>) -> (String, String) {
         let asked = f64::from(tally.points().max(1));
-        let most = tally.blocked.iter().max_by_key(|(_, count)| **count);
-        match (most, first) {
+        match first {
             _ if tally.points() == 0 => {
                 (String::new(), "add a light, or move the lights there are".into())
             }
-            (Some((surface, count)), _) if 4 * *count >= tally.points() && *count > tally.lit => {
-                let part = match f64::from(*count) / asked {
-                    1.0 => "every shadow ray hits".into(),
-                    part => format!("{} of the shadow rays hit", percent(part)),
-                };
-                let name = self.quoted(*surface);
-                (
-                    format!(": {part} {name}"),
-                    format!("move {name} or the lights, or let light through it"),
-                )
-            }
-            (_, Some(first)) if 2 * tally.lit >= tally.points() => {
+            Some(first) if self.is_lost_in_fog(first) => (
+                ": light arrives, and medium lets next to none of it through to the camera".into(),
+                "give medium a smaller extinction: it is what is lost per metre".into(),
+            ),
+            Some(first) if 2 * tally.lit >= tally.points() => {
                 let material = self.description.surfaces[first.surface as usize].material;
                 let name = named("material", &self.description.materials[material].name);
                 (
@@ -77,6 +105,13 @@ impl Doctor<'_> {
                 )
             }
         }
+    }
+
+    /// Whether next to nothing of the light from a point gets through to the camera.
+    fn is_lost_in_fog(&self, point: &Witness) -> bool {
+        let length = self.probes.rays[point.probe].hit.t;
+        let passes = self.description.medium.map(|medium| medium.transmittance(length));
+        passes.is_some_and(|passes| passes.max_element() < NOTHING)
     }
 
     fn the_other_side(&self) -> String {

@@ -6,7 +6,7 @@ use crate::bvh::Part;
 use crate::diagnostic::Diagnostic;
 use crate::geometry::{Bounds, Ray};
 use crate::scene::SeenByCamera;
-use crate::scene::description::{Mesh, SceneDescription, Shape, Surface};
+use crate::scene::description::{Cone, Cylinder, Mesh, SceneDescription, Shape, Surface};
 use glam::{DVec3, Vec3};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -52,7 +52,8 @@ impl Doctor<'_> {
             *pairs.entry([a.min(b), a.max(b)]).or_default() += 1;
         }
         let material = |surface: u32| self.description.surfaces[surface as usize].material;
-        pairs.retain(|[a, b], _| material(*a) != material(*b));
+        let is_opaque = |surface: u32| self.description.materials[material(surface)].is_opaque();
+        pairs.retain(|[a, b], _| material(*a) != material(*b) && is_opaque(*a) && is_opaque(*b));
         let ([a, b], count) = pairs.into_iter().max_by_key(|(_, count)| *count)?;
         (count >= COINCIDENT_RAYS).then(|| {
             let part = percent((f64::from(count) / seen.len() as f64).min(1.0));
@@ -166,13 +167,17 @@ impl Doctor<'_> {
         Some(finding("seen-from-behind", self.surface(surface), message).help(help))
     }
 
+    /// Whether a closed mesh faces inwards, and is no room that one looks into.
     fn is_inside_out(&self, surface: u32, care: Care) -> bool {
         let Surface { shape, transform, .. } = &self.description.surfaces[surface as usize];
         let Shape::Mesh(mesh) = shape else { return false };
         let mesh = &self.description.meshes[*mesh];
         let mirrored = transform.matrix3.determinant() < 0.0;
         // glTF: a mirrored node turns the winding of its triangles around, so that fronts stay fronts.
-        Solid::of(mesh, stride(mesh.triangles.len(), care)).is_inside_out() && !mirrored
+        let faces_inwards = Solid::of(mesh, stride(mesh.triangles.len(), care)).is_inside_out();
+        let others = 0..self.boxes.len() as u32;
+        let is_room = || self.holds_light(surface) || { others }.any(|s| self.holds(surface, s));
+        faces_inwards && !mirrored && !is_room()
     }
 
     /// Boundaries of solids that have no inside.
@@ -200,6 +205,11 @@ impl Doctor<'_> {
         match surface.shape {
             Shape::Quad(_) | Shape::Disk(_) => {
                 let message = "is flat, and its material is that of a solid";
+                Some(finding("glass-open", place(), message).help(open))
+            }
+            Shape::Cylinder(Cylinder { capped: false, .. })
+            | Shape::Cone(Cone { capped: false, .. }) => {
+                let message = "is open where it has no caps, and its material is that of a solid";
                 Some(finding("glass-open", place(), message).help(open))
             }
             Shape::Mesh(mesh) => {
@@ -249,7 +259,10 @@ fn stride(triangles: usize, care: Care) -> usize {
 /// The first two surfaces that are the same in the same place.
 fn duplicates(scene: &SceneDescription, count: usize) -> Option<Diagnostic> {
     let mut known = HashMap::new();
-    let mut twice = scene.surfaces.iter().take(count).filter_map(|surface| {
+    // Panes, leaves and bounds of fog may be doubled.
+    let is_opaque = |surface: &&Surface| scene.materials[surface.material].is_opaque();
+    let surfaces = scene.surfaces.iter().take(count).filter(is_opaque);
+    let mut twice = surfaces.filter_map(|surface| {
         let bits = surface.transform.to_cols_array().map(f64::to_bits);
         let shape = match &surface.shape {
             Shape::Mesh(mesh) => mesh.to_string(),

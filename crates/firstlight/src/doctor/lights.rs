@@ -6,11 +6,10 @@ use crate::color::Rgb;
 use crate::diagnostic::Diagnostic;
 use crate::geometry::Ray;
 use crate::scene::description::{
-    EnvironmentDescription, Integrator, Light as Described, LightDescription, Material,
+    EnvironmentDescription, Integrator, Light as Described, LightDescription, Material, Medium,
     SceneDescription, Sky, Texels,
 };
 use crate::scene::light_middle;
-use crate::shading::light::Light;
 use crate::shading::light::area::AreaLight;
 use crate::units::{self, Dimension};
 use glam::DVec3;
@@ -32,7 +31,7 @@ const INSIDE: f64 = 0.1;
 pub fn none(scene: &SceneDescription) -> Option<Diagnostic> {
     let dark = scene.lights.is_empty()
         && scene.environment.is_none()
-        && !matches!(scene.integrator, Integrator::AmbientOcclusion { .. })
+        && !brings_light(&scene.integrator)
         && !scene.surfaces.iter().any(|surface| emits(&scene.materials[surface.material]));
     (dark && !scene.surfaces.is_empty()).then(|| {
         let message = "there are no lights, and nothing emits light: all surfaces are black";
@@ -42,8 +41,27 @@ pub fn none(scene: &SceneDescription) -> Option<Diagnostic> {
     })
 }
 
+/// Whether an integrator shows surfaces by a light of its own.
+fn brings_light(integrator: &Integrator) -> bool {
+    matches!(integrator, Integrator::AmbientOcclusion { .. } | Integrator::Clarity { .. })
+}
+
 fn emits(material: &Material) -> bool {
     material.emission.factor[..3].iter().any(|channel| *channel > 0.0)
+}
+
+/// Why nothing gets a light's light.
+struct Reason {
+    code: &'static str,
+    why: String,
+    /// What helps.
+    help: &'static str,
+}
+
+impl Reason {
+    fn message(&self) -> String {
+        format!("nothing that the camera sees gets any of its light: {}", self.why)
+    }
 }
 
 impl Doctor<'_> {
@@ -58,8 +76,7 @@ impl Doctor<'_> {
             found.extend(lights.iter().filter(|light| is_off(light)).map(off));
             found.extend(factor(lights));
         }
-        if !matches!(self.description.integrator, Integrator::Direct | Integrator::Path { .. }) {
-            // The others have no shadows of lights.
+        if brings_light(&self.description.integrator) {
             return found;
         }
         let unreached: Vec<_> = shining().filter_map(|light| self.unreached(light)).collect();
@@ -107,15 +124,21 @@ impl Doctor<'_> {
         if tally.lit > 0 || witnesses.is_empty() {
             return None;
         }
-        Some(self.enclosed(described, &light).unwrap_or_else(|| self.kept_off(described, &tally)))
+        let enclosed = self.enclosed(described);
+        enclosed.or_else(|| (!self.has_fog()).then(|| self.kept_off(described, &tally)))
+    }
+
+    /// Whether light may be seen on its way, whatever it reaches.
+    fn has_fog(&self) -> bool {
+        let scatters = |medium: Medium| medium.scattering != Rgb::ZERO;
+        let materials = &self.description.materials;
+        self.description.medium.is_some_and(scatters) || materials.iter().any(Material::is_cloudy)
     }
 
     /// A light that one surface is all around of.
-    fn enclosed(&self, described: &LightDescription, light: &Light) -> Option<Diagnostic> {
+    fn enclosed(&self, described: &LightDescription) -> Option<Diagnostic> {
         let position = described.light.position().filter(|_| described.shadows)?;
-        let shines = |ray: &Ray| light.sample(position + ray.direction.as_dvec3()).is_some();
-        let rays: Vec<_> = around(position).filter(shines).collect();
-        let hits = self.stops(&rays);
+        let hits = self.stops(&around(position).collect::<Vec<_>>());
         let mut counts = BTreeMap::new();
         for hit in hits.iter().filter(|hit| hit.is_some()) {
             let (count, nearest) = counts.entry(hit.surface).or_insert((0, f32::INFINITY));
@@ -124,7 +147,7 @@ impl Doctor<'_> {
         let (surface, (count, nearest)) =
             counts.into_iter().max_by_key(|(_, (count, _))| *count)?;
         let enclosed = hits.iter().all(|hit| hit.is_some());
-        (enclosed && f64::from(count) >= MOST * rays.len() as f64).then(|| {
+        (enclosed && f64::from(count) >= MOST * f64::from(AROUND)).then(|| {
             let message = format!(
                 "is inside of surface {}, {} from it: nothing that the camera sees gets any of its light",
                 self.quoted(surface),
@@ -140,20 +163,30 @@ impl Doctor<'_> {
 
     /// A light that is kept off by what is in the way, or by where it shines.
     fn kept_off(&self, described: &LightDescription, tally: &Tally) -> Diagnostic {
-        let (code, why) = self.reason(tally);
-        let message = format!("nothing that the camera sees gets any of its light: {why}");
-        light_finding(code, described, message).help(self.remedy(described))
+        let why = self.reason(tally);
+        light_finding(why.code, described, why.message()).help(self.remedy(described, &why))
     }
 
     /// Why nothing gets a light's light.
-    fn reason(&self, tally: &Tally) -> (&'static str, String) {
-        if 2 * tally.stopped() >= tally.points() {
-            return ("light-blocked", format!("{} in its way", self.blockers(tally)));
-        }
-        match tally.outside > tally.averted {
-            true => ("light-averted", "it shines past all of it".into()),
-            false => ("light-averted", "all of it faces away from the light".into()),
-        }
+    fn reason(&self, tally: &Tally) -> Reason {
+        let (code, why, help) = match tally.outside > tally.averted {
+            _ if 2 * tally.stopped() >= tally.points() => (
+                "light-blocked",
+                format!("{} in its way", self.blockers(tally)),
+                "move it, or what is in its way",
+            ),
+            true => (
+                "light-averted",
+                "it shines past all of it".into(),
+                "aim it at what is seen, or widen its beam",
+            ),
+            false => (
+                "light-averted",
+                "all of it faces away from the light".into(),
+                "move it to the side that the camera sees",
+            ),
+        };
+        Reason { code, why, help }
     }
 
     /// What blocks most, by name: `surface "roof" is`.
@@ -170,7 +203,8 @@ impl Doctor<'_> {
         }
     }
 
-    fn remedy(&self, described: &LightDescription) -> String {
+    /// What helps a light that is kept off for this reason.
+    fn remedy(&self, described: &LightDescription, why: &Reason) -> String {
         let around = turned(described).filter(|turned| {
             let light = light_middle(turned, self.scene.camera());
             light.is_some_and(|light| {
@@ -188,7 +222,10 @@ impl Doctor<'_> {
                 let [x, y, z] = direction.to_array().map(|x| (x * 1e3).round() / 1e3 + 0.0);
                 format!("turn it around: direction = [{x}, {y}, {z}]")
             }
-            _ => format!("move it, or what is in its way{}", change(described, "shadows=false")),
+            _ if why.code == "light-blocked" => {
+                format!("{}{}", why.help, change(described, "shadows=false"))
+            }
+            _ => why.help.into(),
         }
     }
 
@@ -227,7 +264,7 @@ impl Doctor<'_> {
             witness.surface == surface && (witness.front || parts[0].two_sided)
         };
         let witnesses = &self.probes.witnesses;
-        if witnesses.is_empty() || witnesses.iter().any(shows) {
+        if witnesses.is_empty() || witnesses.iter().any(shows) || self.has_fog() {
             return None;
         }
         let ask: &Ask<'_> = &|witness, number| Self::ask_emitter(parts, witness, number);
@@ -235,13 +272,12 @@ impl Doctor<'_> {
         if tally.lit > 0 {
             return None;
         }
-        let (code, why) = self.reason(&tally);
-        let message = format!("nothing that the camera sees gets any of its light: {why}");
+        let why = self.reason(&tally);
         let help = match parts[0].two_sided {
             true => "move it, or what is in its way",
             false => "its front alone gives light: turn it, or set two_sided = true in its light",
         };
-        Some((surface, finding(code, self.surface(surface), message).help(help)))
+        Some((surface, finding(why.code, self.surface(surface), why.message()).help(help)))
     }
 
     /// An environment that is black, or that nothing sees.

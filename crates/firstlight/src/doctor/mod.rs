@@ -105,6 +105,23 @@ impl<'a> Doctor<'a> {
         self.description.surfaces.iter().any(|surface| matches!(surface.shape, Shape::Plane(_)))
     }
 
+    /// Whether a light, or a surface that is one, is in the box around a surface.
+    fn holds_light(&self, surface: u32) -> bool {
+        let Some([lo, hi]) = self.boxes[surface as usize] else { return false };
+        let is_in = |at: DVec3| at.cmpge(lo).all() && at.cmple(hi).all();
+        let mut lights = self.description.lights.iter().filter_map(|light| light.light.position());
+        let area_lights = || self.scene.area_lights.iter().map(|light| light.surface);
+        lights.any(is_in) || area_lights().any(|light| self.holds(surface, light))
+    }
+
+    /// Whether another surface is all in the box around a surface.
+    fn holds(&self, surface: u32, other: u32) -> bool {
+        let around = self.boxes[surface as usize].zip(self.boxes[other as usize]);
+        around.is_some_and(|([lo, hi], [a, b])| {
+            surface != other && a.cmpge(lo).all() && b.cmple(hi).all()
+        })
+    }
+
     /// Everything that is odd about the scene, as far as that shows before it is rendered.
     pub fn examine(&self, care: Care) -> Vec<Diagnostic> {
         let description = self.description;

@@ -73,7 +73,11 @@ impl Doctor<'_> {
         }
         let brightest = Rgb::new(rendered.brightest, 0.0, 0.0);
         if shown.is_black(brightest, self.description.film.view) {
-            let error = black("what the camera sees is so dim that it comes out black".into());
+            let dim = "what the camera sees is so dim that it comes out black";
+            if let Some((why, help)) = self.in_the_way(&self.probes.seen().collect::<Vec<_>>()) {
+                return Some(black(format!("{dim}{why}")).help(help));
+            }
+            let error = black(dim.into());
             let auto = if shown.auto_exposure { "" } else { "try --exposure auto, or " };
             return Some(error.help(format!("{auto}use stronger lights{}", self.strongest())));
         }
@@ -118,8 +122,17 @@ impl Doctor<'_> {
         }
         let pixels = image.pixels();
         let count = pixels.iter().filter(|p| shown.is_black(Rgb::new(p[0], p[1], p[2]), view));
-        let (why, help) = self.why_dark(&black);
         let pixels = percent(count.count() as f64 / pixels.len() as f64);
+        let sky = self.scene.environment.is_some() && self.probes.escaped > 0;
+        if sky && self.description.lights.is_empty() {
+            let samples = shown.rendered.samples;
+            let message = format!(
+                "{pixels} of the pixels are black: after {samples} samples, they have not found the environment"
+            );
+            let help = "take more: --spp, or --noise 5%, which stops when it is there";
+            return Some(Diagnostic::new("", message).help(help).code("noise"));
+        }
+        let (why, help) = self.why_dark(&black);
         let message = format!("{pixels} of the pixels are black{why}");
         Some(Diagnostic::new("", message).code("picture-black").help(help))
     }

@@ -103,6 +103,127 @@ fn scenes_without_anything() {
     texts_told_apart("no-surfaces", &["background"], "[lights.a.ambient]\nradiance = 1", SCENE);
 }
 
+/// That a scene does not have this finding.
+#[track_caller]
+fn not_told(code: &str, text: &str) {
+    let found = findings(&read(text));
+    assert!(!found.iter().any(|finding| finding.code == code), "{found:#?}");
+}
+
+#[test]
+fn clarity_needs_no_lights() {
+    let unlit = SCENE.split("[lights").next().unwrap();
+    not_told("no-lights", &format!("look = 'clarity'\n{unlit}"));
+}
+
+/// One whose cone ends on one surface, aside of what is seen, is in nothing.
+#[test]
+fn spots_that_shine_past_are_inside_of_nothing() {
+    let spot = SCENE
+        .replace("lamp.point", "lamp.spot")
+        .replace("power = '1 kW'", "intensity = 80\ndirection = [0, 0, -1]\nouter_angle = 5");
+    let past = spot.replace("[2, -4, 5]", "[15, -4, 5]");
+    texts_told_apart("light-averted", &["aim it at what is seen"], &past, &spot);
+    not_told("light-inside", &past);
+}
+
+/// A beam that shows in fog, whatever it meets.
+#[test]
+fn lights_that_are_seen_in_fog_are_of_use() {
+    let past = "[lights.beam.spot]\nposition = [-9, 9, 3]\ndirection = [1, 0, 0]\nintensity = 80\nouter_angle = 5\n";
+    let clear = format!("integrator = 'path'\n{SCENE}{past}");
+    let fog = clear.replace("film =", "medium = { extinction = 0.1, albedo = 0.9 }\nfilm =");
+    texts_told_apart("light-averted", &["light \"beam\""], &clear, &fog);
+}
+
+/// Things that light gets through hide nothing, so it does not matter which of two is seen.
+#[test]
+fn what_is_not_opaque_may_lie_in_another() {
+    let globe = |material: &str| {
+        format!(
+            "integrator = 'path'\n{SCENE}[surfaces.globe]\nsphere = {{ center = [0, 0, 1], radius = 1 }}
+            material = 'it'\n[materials.it.{material}]\n"
+        )
+    };
+    for material in ["thin_glass]\n[x", "medium]\nscattering = 0.3\nabsorption = 0.1\n[x"] {
+        let text = globe(material).replace("\n[x]", "");
+        not_told("duplicate-surfaces", &text);
+        not_told("surfaces-coincide", &text);
+    }
+    texts_told_apart("duplicate-surfaces", &["globe"], &globe("lambert"), SCENE);
+}
+
+/// One looks into it through the walls on this side, as into a doll's house.
+#[test]
+fn rooms_may_be_looked_into() {
+    let room = |more: &str| {
+        format!(
+            "film = {{ resolution = [48, 32], samples = 4 }}
+            camera.perspective = {{ position = [0, -6, 2], target = [0, 0, 1], fov = 25 }}
+            materials.wall.lambert = {{ double_sided = false }}
+            [surfaces.room]
+            material = 'wall'
+            mesh.vertices = [[-2,-2,0],[2,-2,0],[2,2,0],[-2,2,0],[-2,-2,2.5],[2,-2,2.5],[2,2,2.5],[-2,2,2.5]]
+            mesh.triangles = [[0,1,2],[0,2,3],[4,6,5],[4,7,6],[0,4,5],[0,5,1],[1,5,6],[1,6,2],[2,6,7],[2,7,3],[3,7,4],[3,4,0]]
+            [lights.lamp.point]
+            power = '300 W'\n{more}"
+        )
+    };
+    let words = ["surface \"room\"", "wound clockwise"];
+    let outside = room("position = [0, -7, 2]");
+    texts_told_apart("seen-from-behind", &words, &outside, &room("position = [0, 0, 2]"));
+    let furnished = outside + "\n[surfaces.ball]\nsphere = { center = [0, 0, 1], radius = 0.4 }\n";
+    not_told("seen-from-behind", &furnished);
+}
+
+#[test]
+fn fog_and_bounces_make_things_dark() {
+    let path = |bounces: &str| format!("integrator.path = {{ {bounces} }}\n{SCENE}");
+    let words = ["has 0 bounces", "leave the number out"];
+    texts_told_apart("picture-black", &words, &path("bounces = 0"), &path("bounces = 1"));
+    let fog = |extinction: f32| {
+        format!("medium = {{ extinction = {extinction}, albedo = 0 }}\n{}", path(""))
+    };
+    let words = ["medium lets next to none of it through", "smaller extinction"];
+    texts_told_apart("picture-black", &words, &fog(20.0), &fog(0.01));
+}
+
+/// A roof over everything but the rim of a floor that goes on.
+#[test]
+fn what_is_all_but_in_the_dark_is_told_why() {
+    let roof = |z: f32| {
+        let floor = changed("disk = { radius = 20 }", "plane = {}", "");
+        let roof = "{ corner = [-90, -90, Z], edge_u = [180, 0, 0], edge_v = [0, 180, 0] }";
+        let roof = roof.replace('Z', &z.to_string());
+        format!("{floor}[surfaces.roof]\nquad = {roof}\n").replace("[2, -4, 5]", "[0, 0, 20]")
+    };
+    let words = ["so dim that it comes out black", "of the shadow rays hit \"roof\""];
+    texts_told_apart("picture-black", &words, &roof(8.0), &roof(22.0));
+}
+
+/// A small window that few of so few paths have found.
+#[test]
+fn what_was_not_found_is_noise() {
+    let room = |edge: f32| {
+        format!(
+            "integrator = 'path'
+            film = {{ resolution = [48, 32], samples = 4 }}
+            camera.perspective = {{ position = [0, -3.9, 1.5], target = [0, 0, 1.5] }}
+            environment.uniform.radiance = 5
+            surfaces.floor.quad = {{ corner = [-4, -4, 0], edge_u = [8, 0, 0], edge_v = [0, 8, 0] }}
+            surfaces.back.quad = {{ corner = [-4, 4, 0], edge_u = [8, 0, 0], edge_v = [0, 0, 3] }}
+            surfaces.front.quad = {{ corner = [-4, -4, 0], edge_u = [8, 0, 0], edge_v = [0, 0, 3] }}
+            surfaces.left.quad = {{ corner = [-4, -4, 0], edge_u = [0, 8, 0], edge_v = [0, 0, 3] }}
+            surfaces.right.quad = {{ corner = [4, -4, 0], edge_u = [0, 8, 0], edge_v = [0, 0, 3] }}
+            surfaces.roof.quad = {{ corner = [-4, -4, 3], edge_u = [8, 0, 0], edge_v = [0, {edge}, 0] }}
+            "
+        )
+    };
+    let words = ["have not found the environment", "--spp"];
+    texts_told_apart("noise", &words, &room(7.9), &room(4.0));
+    not_told("picture-black", &room(7.9));
+}
+
 #[test]
 fn lights_inside_of_things() {
     let inside = |x: f32| changed("[2, -4, 5]", &format!("[{x}, 0, 1]"), "");
@@ -238,6 +359,12 @@ fn a_camera_in_a_room_is_well() {
         power = 80
     ";
     assert_eq!(findings(&read(room)), []);
+    // A bare one, in a garden.
+    let bare = room.replace(
+        "[surfaces.table]\n        box = { min = [-0.5, 0.5, 0], max = [0.5, 1, 0.7] }",
+        "",
+    );
+    assert_eq!(findings(&read(&(bare + "[surfaces.garden]\nplane.point = [0, 0, -0.1]"))), []);
 }
 
 #[test]
@@ -383,6 +510,12 @@ fn glass_that_is_open_or_inside_out() {
         format!("integrator = 'path'\n{SCENE}{pane}[materials.glass.{kind}]\n")
     };
     texts_told_apart("glass-open", &["thin_glass"], &pane("dielectric"), &pane("thin_glass"));
+    let tube = |capped: bool| {
+        let tube =
+            format!("[surfaces.tube]\ncylinder = {{ capped = {capped} }}\nmaterial = 'glass'\n");
+        format!("integrator = 'path'\n{SCENE}{tube}[materials.glass.dielectric]\n")
+    };
+    texts_told_apart("glass-open", &["open where it has no caps"], &tube(false), &tube(true));
     let glass = |change: fn(&mut Mesh)| {
         with_mesh(move |mesh, material| {
             change(mesh);
@@ -475,6 +608,19 @@ fn pictures_on_surfaces() {
         material.scattering = Scattering::Matte { roughness };
     });
     told_apart("texture-role", &["as numbers"], &both, &whole);
+    // All that are colours, and what is packed into their alpha.
+    let colors = with_picture(16, stripes, |material, texture| {
+        let sheen_roughness = Scalar { texture: texture.clone(), channel: 3, complement: false };
+        material.scattering = Scattering::Principled(Box::new(Principled {
+            sheen_color: texture.clone(),
+            specular_color: texture.clone(),
+            sheen_roughness,
+            ..Principled::default()
+        }));
+        material.ambient_reflectance = Some(texture.clone());
+        material.reflectance = texture;
+    });
+    assert!(!findings(&colors).iter().any(|finding| finding.code == "texture-role"));
 }
 
 #[test]

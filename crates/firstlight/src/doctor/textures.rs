@@ -98,10 +98,9 @@ impl Roles {
         let used: BTreeSet<usize> = scene.surfaces.iter().map(|s| s.material).collect();
         let (mut colors, mut numbers) = (BTreeMap::new(), BTreeMap::new());
         for material in used.iter().map(|&i| &scene.materials[i]) {
-            let is_color = |texture: &Texture| {
-                std::ptr::eq(texture, &material.reflectance)
-                    || std::ptr::eq(texture, &material.emission)
-            };
+            let all = material.color_textures();
+            let is_color =
+                |texture: &Texture| all.iter().any(|color| std::ptr::eq(*color, texture));
             for texture in material.textures() {
                 let Some((image, _)) = image_of(texture) else { continue };
                 let roles = if is_color(texture) { &mut colors } else { &mut numbers };
