@@ -219,7 +219,8 @@ Examples:
 /// Where a picture goes.
 #[derive(Debug, Args)]
 pub(crate) struct OutputArgs {
-    /// The picture; its extension says the format; - is standard output [default: the scene's name with .png]
+    /// The picture; its extension says the format; - is standard output [default: named after what is read, with .png; of
+    /// compare: none]
     #[arg(short = 'o', long = "output", value_name = "FILE")]
     pub path: Option<PathBuf>,
     /// File format, if the extension does not say it (- is written as png)

@@ -7,7 +7,7 @@ use crate::{Exit, Outcome, report, verdict};
 use firstlight::diagnostic::{Diagnostic, visible};
 use firstlight::doctor::{Care, Doctor, degenerate_triangles};
 use firstlight::io::{BitDepth, Format, Warnings};
-use firstlight::render::{RenderOptions, render};
+use firstlight::render::{RenderOptions, render, with_threads};
 use firstlight::scene::description::FilmDescription;
 use firstlight::{BuildQuality, Level, Scene, SceneDescription};
 use serde_json::json;
@@ -18,7 +18,8 @@ pub(crate) fn run(args: &CheckArgs) -> Outcome {
     let scene = args.picture.read(&args.picture.input.access(), &mut warnings)?;
     let mut shown = scene.clone();
     args.picture.complete(&mut shown)?;
-    warnings.extend(findings(shown));
+    let (threads, level) = (args.picture.threads(), args.picture.level());
+    warnings.extend(with_threads(threads, || findings(shown, level, threads)));
     let warnings = args.findings.heeded(warnings);
     report::warnings(&warnings);
     if args.json {
@@ -31,11 +32,12 @@ pub(crate) fn run(args: &CheckArgs) -> Outcome {
 }
 
 /// All that the doctor finds in a scene and in a small picture of it.
-fn findings(mut scene: SceneDescription) -> Vec<Diagnostic> {
+fn findings(mut scene: SceneDescription, level: Level, threads: usize) -> Vec<Diagnostic> {
     make_small(&mut scene.film);
-    let built = Scene::build_with(&scene, Level::detect(), BuildQuality::Preview);
+    let built = Scene::build_with(&scene, level, BuildQuality::Preview);
     let doctor = Doctor::new(&scene, &built);
-    let rendered = render(&built, &RenderOptions::default(), &|_| ControlFlow::Continue(()));
+    let options = RenderOptions { threads, ..RenderOptions::default() };
+    let rendered = render(&built, &options, &|_| ControlFlow::Continue(()));
     let stops = scene.film.exposure.stops(scene.luminous_efficacy);
     let format = Format::Png { bits: BitDepth::Eight };
     let picture = Picture::new(rendered, stops, scene.film.view, format);

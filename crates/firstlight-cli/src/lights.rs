@@ -7,16 +7,19 @@ use firstlight::color::{Rgb, luminance};
 use firstlight::diagnostic::visible;
 use firstlight::io::Warnings;
 use firstlight::passport::{Entry, Passport};
+use firstlight::render::with_threads;
 use firstlight::units::{self, Dimension, Measure};
-use firstlight::{BuildQuality, Level, Scene};
+use firstlight::{BuildQuality, Scene};
 use serde_json::{Value, json};
 
 pub(crate) fn run(args: &LightsArgs) -> Outcome {
     let mut warnings = Warnings::new();
     let scene = args.picture.prepare(&args.picture.input.access(), &mut warnings)?;
     report::warnings(&warnings);
-    let built = Scene::build_with(&scene, Level::detect(), BuildQuality::Preview);
-    let passport = Passport::new(&scene, &built);
+    let level = args.picture.level();
+    let passport = with_threads(args.picture.threads(), || {
+        Passport::new(&scene, &Scene::build_with(&scene, level, BuildQuality::Preview))
+    });
     if args.json {
         print_json(&as_json(args, &passport, &warnings))?;
     } else {
