@@ -26,6 +26,10 @@ const REACH: f64 = 0.1;
 const LINES: f64 = 1.0;
 /// Of the light that falls on the middle of the scene, what ambient light makes up for.
 const AMBIENT: f32 = 0.2;
+/// Lamps that hang nearer to the middle than this part of half of the scene's diagonal count as if they were so far from it. In a
+/// cube whose walls reflect half, they give Φ/A in all directions by reflection (the integrating sphere): that is what [`AMBIENT`]
+/// makes of √(8 · 0.2 / 4π).
+const NEAREST: f64 = 0.357;
 
 impl Look {
     /// Their names, as users write them.
@@ -74,8 +78,7 @@ fn irradiance_in_the_middle(scene: &SceneDescription) -> Rgb {
     let size = bounds(scene).map_or(1.0, |[lo, hi]| (0.5 * (hi - lo).length()).max(1e-6));
     let middle = bounds(scene).map_or(DVec3::ZERO, |[lo, hi]| 0.5 * (lo + hi));
     let near = |position: DVec3, intensity: Rgb| {
-        // Nobody is to be blinded by a lamp that happens to hang in the middle.
-        intensity / position.distance_squared(middle).max(size * size) as f32
+        intensity / position.distance_squared(middle).max((NEAREST * size).powi(2)) as f32
     };
     let of = |light: &LightDescription| match light.light {
         Light::Point { position, intensity } | Light::Spot { position, intensity, .. } => {
