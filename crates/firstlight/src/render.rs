@@ -4,7 +4,7 @@ use crate::color::luminance;
 use crate::film::{Film, FilterSampler, Half, Noise, Sample, Spread, Tile};
 use crate::geometry::Ray;
 use crate::image::Image;
-use crate::integrator::{FILM, Gatherer, LENS, RayCounts, Record, Recorder};
+use crate::integrator::{FILM, Gatherer, LENS, RayCounts, Record, Recorder, TIME};
 use crate::layers::{LightLayers, LightTile, Taken};
 use crate::sampler::{PathPoints, Sampler, pairs};
 use crate::scene::Scene;
@@ -485,7 +485,7 @@ impl<R: Recorder> TilePass<'_, '_, R> {
     fn take(self) {
         let Self { render, tile, samples, half, worker, recorder } = self;
         let (camera, film) = (render.scene.camera(), render.scene.film());
-        let Worker { pixels, points, film_points, lens_points, rays, weights, .. } = worker;
+        let Worker { pixels, points, film_points, lens_points, times, rays, weights, .. } = worker;
         pixels.clear();
         points.clear();
         for index in tile.order() {
@@ -499,13 +499,18 @@ impl<R: Recorder> TilePass<'_, '_, R> {
         if camera.has_lens() {
             pairs(points, LENS, lens_points);
         }
+        if render.scene.moves() {
+            pairs(points, TIME, times);
+        }
         rays.clear();
         weights.clear();
         for (i, (&(pixel, _), &film_point)) in pixels.iter().zip(&*film_points).enumerate() {
             let [x, y] = tile.place(pixel);
             let (shift, weight) = render.filter.place(film_point);
             let place = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + shift;
-            rays.push(camera.ray(place, lens_points.get(i).copied().unwrap_or_default()));
+            let lens_point = lens_points.get(i).copied().unwrap_or_default();
+            let moment = times.get(i).map_or(0.5, |pair| pair.x);
+            rays.push(camera.ray(place, lens_point, moment));
             weights.push(weight);
         }
         let count = samples.len();
@@ -538,9 +543,10 @@ struct Worker {
     pixels: Vec<(usize, Half)>,
     /// What decides about each path.
     points: Vec<PathPoints>,
-    /// Where each path crosses the film, and the lens if that matters: pairs of numbers in 0..1.
+    /// Where each path crosses the film, and the lens and when if that matters: pairs of numbers in 0..1.
     film_points: Vec<Vec2>,
     lens_points: Vec<Vec2>,
+    times: Vec<Vec2>,
     /// Each path's first ray and its weight under the filter, 0 if its sample was dropped.
     rays: Vec<Ray>,
     weights: Vec<f32>,

@@ -134,7 +134,8 @@ impl<'a> Doctor<'a> {
     }
 }
 
-/// A box around each surface: around the corners of its mesh's own box, so that copies cost next to nothing.
+/// A box around each surface, wherever it comes to: around the corners of its mesh's own box, so that copies cost next to
+/// nothing.
 fn boxes(description: &SceneDescription, scene: &Scene) -> Vec<Option<[DVec3; 2]>> {
     let around = |mesh: &Arc<Mesh>| Bounds::around(mesh.positions.iter().copied());
     let meshes: Vec<Bounds> = description.meshes.iter().map(around).collect();
@@ -144,8 +145,9 @@ fn boxes(description: &SceneDescription, scene: &Scene) -> Vec<Option<[DVec3; 2]
                 .filter(|bounds| !bounds.is_empty())
                 .map(|b| Bounds::of_mapped(b.lo.as_dvec3(), b.hi.as_dvec3(), &surface.transform)),
             (_, Part::Analytic(shape, _)) => shape.bounds(),
-            (_, Part::Mesh(_)) => None,
+            (_, Part::Mesh(part)) => Some(Bounds::around(part.mesh.positions.iter().copied())),
         };
+        let bounds = bounds.map(|bounds| bounds.moving(surface.motion.as_ref()));
         bounds.map(|bounds| [bounds.lo.as_dvec3(), bounds.hi.as_dvec3()])
     };
     description.surfaces.iter().zip(scene.world.parts()).map(of).collect()

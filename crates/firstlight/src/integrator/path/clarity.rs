@@ -80,7 +80,8 @@ impl<'a> Clarity<'a> {
         scratch.begin(rays.len());
         scratch.counts.camera += rays.len() as u64;
         scratch.rays.extend(rays.iter().map(|ray| self.kept(ray)));
-        scratch.walks.extend((0..rays.len() as u32).map(super::Walk::from_eye));
+        let walk = |(sample, ray): (u32, &Ray)| super::Walk::from_eye(sample, ray.time);
+        scratch.walks.extend((0..).zip(rays).map(walk));
         self.closest_hits(&scratch.rays, &mut scratch.hits);
         let inks = self.inks(&scratch.rays, &scratch.hits);
         self.shade(&inks, scratch, recorder);
@@ -96,7 +97,7 @@ impl<'a> Clarity<'a> {
         points: &[PathPoints],
         scratch: &mut Scratch,
     ) {
-        self.path.stand(position, normal, points.len(), scratch);
+        self.path.stand(position, normal, points, scratch);
         scratch.lobes[0].weight /= 1.0 - ALWAYS;
         self.look_for_sky(points, scratch, &mut ());
     }

@@ -5,6 +5,7 @@ use super::environment::{EnvironmentKeys, Surroundings};
 use super::light::{Lighting, SurfaceLightKeys};
 use super::luminaire::Luminaires;
 use super::material::MaterialKeys;
+use super::motion::MotionKeys;
 use super::pictures::Pictures;
 use super::surface::{NewShape, SurfaceKeys};
 use super::{InstanceKeys, ModelKeys, SceneKeys, look, medium, transform};
@@ -17,6 +18,7 @@ use crate::scene::description::{
     Integrator, LuminousEfficacy, Material, Part, SceneDescription, Shadows, Shape, Surface,
     Texture, Up,
 };
+use crate::scene::middle;
 use crate::suggest::{did_you_mean, quoted};
 use glam::{DAffine3, DVec3};
 use indexmap::IndexMap;
@@ -217,13 +219,13 @@ impl Builder<'_> {
         }
         let transform = transform::compose(keys.transform.as_ref(), self.document)?;
         let start = self.scene.surfaces.len();
-        let mut surface = Surface { name: name.clone(), shape, material, transform };
+        let mut surface = Surface { name: name.clone(), shape, material, transform, motion: None };
         if let Some(light) = &keys.light {
             surface.material = self.lit_material(&surface, light)?;
         }
         self.scene.surfaces.push(surface);
         self.placed.insert(name, start..start + 1);
-        Ok(())
+        self.set_in_motion(start, keys.motion.as_ref())
     }
 
     fn add_model(
@@ -246,8 +248,12 @@ impl Builder<'_> {
         let material = self.material(keys.material.as_ref())?;
         self.check_room(part.surfaces.len(), &span)?;
         self.scene.place(part, &name, transform, material);
+        if let Some(motion) = keys.motion.as_ref().filter(|_| !part.lights.is_empty()) {
+            let warning = self.document.error(&motion.span, "does not move the model's lights");
+            warnings.push(warning.help("only what has a surface moves"));
+        }
         self.placed.insert(name, start..self.scene.surfaces.len());
-        Ok(())
+        self.set_in_motion(start, keys.motion.as_ref())
     }
 
     /// Reads a variant of a model file unless it was read before; returns the key to `models`.
@@ -310,6 +316,7 @@ impl Builder<'_> {
         let material = self.material(keys.material.as_ref())?;
         let transform = transform::compose(keys.transform.as_ref(), self.document)?;
         self.check_room(range.len(), &span)?;
+        let start = self.scene.surfaces.len();
         for i in range {
             let Some(original) = self.scene.surfaces.get(i) else { continue };
             let own_name = original.name.strip_prefix(of.as_str()).unwrap_or_default();
@@ -318,9 +325,19 @@ impl Builder<'_> {
                 shape: original.shape.clone(),
                 material: material.unwrap_or(original.material),
                 transform: transform * original.transform,
+                motion: None,
             };
             self.scene.surfaces.push(copy);
         }
+        self.set_in_motion(start, keys.motion.as_ref())
+    }
+
+    /// Lets the surfaces from number `start` on move together.
+    fn set_in_motion(&mut self, start: usize, motion: Option<&At<MotionKeys>>) -> Result<()> {
+        let Some(motion) = motion else { return Ok(()) };
+        let surfaces = start..self.scene.surfaces.len();
+        let motion = motion.describe(middle(&self.scene, surfaces.clone()), self.document)?;
+        self.scene.surfaces[surfaces].iter_mut().for_each(|surface| surface.motion = motion);
         Ok(())
     }
 

@@ -10,6 +10,7 @@ mod light;
 mod material;
 mod medium;
 mod mesh;
+mod motion;
 mod photometry;
 mod place;
 mod shape;
@@ -23,12 +24,13 @@ pub use material::{
 };
 pub use medium::Medium;
 pub use mesh::Mesh;
+pub use motion::Motion;
 pub use photometry::{Goniometer, PhotometricWeb};
 pub use place::Part;
 pub use shape::{Block, Cone, Cylinder, Disk, Plane, Quad, Shape, Sphere, Surface};
 pub use view::{
-    CameraDescription, CameraSettings, Exposure, FilmDescription, Filter, Integrator, Projection,
-    Section, Shadows,
+    CameraDescription, CameraPose, CameraSettings, Exposure, FilmDescription, Filter, Integrator,
+    Projection, Section, Shadows,
 };
 
 use crate::color::Rgb;

@@ -127,7 +127,7 @@ impl LightSample {
         let to_light = to_light + (point - origin);
         let distance = to_light.length();
         let t_max = distance * (1.0 - 4.0 * f32::EPSILON);
-        Ray { origin, direction: to_light * distance.recip(), t_min, t_max }
+        Ray { t_min, t_max, ..Ray::new(origin, to_light * distance.recip()) }
     }
 }
 
