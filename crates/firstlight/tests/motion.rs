@@ -3,8 +3,9 @@
 mod common;
 
 use common::*;
+use firstlight::io::scene_file;
 use firstlight::render::{RenderOptions, render};
-use firstlight::{Image, Measurement, Meter, Scene, SceneDescription};
+use firstlight::{FileAccess, Image, Measurement, Meter, Scene, SceneDescription};
 use glam::DVec3;
 use std::f64::consts::{FRAC_2_PI, PI, TAU};
 use std::ops::ControlFlow;
@@ -318,5 +319,33 @@ fn furnaces_stay_white_around_what_moves() {
     );
     for pixel in image.pixels() {
         assert!((pixel[1] - 1.0).abs() < 1e-3, "{pixel:?}");
+    }
+}
+
+/// What is said of a scene that cannot be.
+fn complaint(text: &str) -> String {
+    let access = FileAccess::beside(Path::new("scene.toml"), &[]);
+    let read = scene_file::read(text, "scene.toml", &[], &access, &mut Vec::new());
+    read.expect_err("it is refused").to_string()
+}
+
+#[test]
+fn what_cannot_move_is_refused_with_its_place() {
+    let ball = |motion: &str| format!("[surfaces.ball]\nsphere = {{}}\nmotion = {{ {motion} }}");
+    let camera = |keys: &str| format!("[camera.perspective]\nposition = [0, -4, 0]\n{keys}");
+    let cases = [
+        (ball("rotate_x = 3, rotate_y = 4"), "scene.toml:3", "one turn too many"),
+        (ball("scale = 0"), "scene.toml:3", "must be between 1e-6 and 1e6, not 0"),
+        (ball("scale = -1"), "scene.toml:3", "must be between"),
+        (ball("rotate_w = 3"), "scene.toml:3", "unknown"),
+        (ball("translate = [1, 2]"), "scene.toml:3", "needs a list of 3 values"),
+        (camera("shutter = [0.5, 0.2]"), "scene.toml:3", "[opens, closes]"),
+        (camera("shutter = [0, 2]"), "scene.toml:3", "from 0 to 1"),
+        (camera("motion = { position = [0, 0, 0] }"), "scene.toml:3", "away from its position"),
+        (camera("motion = { up = [0, 1, 0] }"), "scene.toml:3", "along the view direction"),
+    ];
+    for (text, place, words) in cases {
+        let complaint = complaint(&text);
+        assert!(complaint.contains(place) && complaint.contains(words), "{complaint}");
     }
 }

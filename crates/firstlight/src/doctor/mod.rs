@@ -75,6 +75,7 @@ pub const CODES: &[(&str, &str)] = &[
     ("surfaces-coincide", "two surfaces lie in each other"),
     ("texture-curve", "numbers were encoded or decoded like colours"),
     ("texture-flat", "a picture has one colour"),
+    ("texture-missing", "a model names a picture that cannot be used"),
     ("texture-role", "one picture is read as colours and as numbers"),
     ("texture-uvs", "a picture has no texture coordinates to lie on"),
     ("triangles-degenerate", "many triangles have no area"),

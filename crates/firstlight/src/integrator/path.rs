@@ -144,6 +144,8 @@ struct Vertex {
     lobes: Range<u32>,
     /// The solids on the other side.
     beyond: Media,
+    /// The part of ambient light that its surface's occlusion map lets come to it.
+    openness: f32,
 }
 
 /// What a light gives to a vertex: the lecture's f · cos θ · E.
@@ -237,6 +239,7 @@ impl<'a> Path<'a> {
                 outgoing: normal,
                 lobes: 0..1,
                 beyond: media,
+                openness: 1.0,
             }
         }));
     }
@@ -329,11 +332,12 @@ impl<'a> Path<'a> {
                 let (frame, scattered) =
                     self.scene.add_lobes(material, &surface, vertex.outgoing, boundary, lobes);
                 vertex.frame = frame;
+                vertex.openness = self.scene.openness(material, &surface);
                 if self.scene.ambient != Rgb::ZERO && !on {
                     let reflected = self.scene.ambient_reflectance(material, &surface);
                     let reflected = reflected.unwrap_or(scattered);
-                    let gain =
-                        walk.reflected(bounce, Source::Ambient, reflected * self.scene.ambient);
+                    let ambient = vertex.openness * reflected * self.scene.ambient;
+                    let gain = walk.reflected(bounce, Source::Ambient, ambient);
                     add(self.scene, samples, recorder, gain);
                 }
             }
@@ -441,7 +445,7 @@ impl<'a> Path<'a> {
                 let source = Source::Light(ambient.number);
                 let answer =
                     vertex.light_from_sky(lobes, source, ambient.reach, choice.x, direction)?;
-                Some(Answer { irradiance: ambient.radiance, ..answer })
+                Some(Answer { irradiance: vertex.openness * ambient.radiance, ..answer })
             });
         }
         if let Some((environment, _)) = &self.scene.environment {
@@ -730,6 +734,7 @@ impl Vertex {
             outgoing: -ray.direction,
             lobes: lobes..lobes,
             beyond: walk.media,
+            openness: 1.0,
         }
     }
 
@@ -739,7 +744,8 @@ impl Vertex {
         // No surface straightens out what rounding adds up over hundreds of scatterings.
         let outgoing = -ray.direction.normalize();
         let (starts, frame, beyond) = ([position; 2], Frame::around(outgoing), walk.media);
-        Self { walk, position, starts, frame, outgoing, lobes: lobe..lobe + 1, beyond }
+        let (lobes, openness) = (lobe..lobe + 1, 1.0);
+        Self { walk, position, starts, frame, outgoing, lobes, beyond, openness }
     }
 
     /// The solids that light from `incoming` arrives through.

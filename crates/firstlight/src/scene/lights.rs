@@ -220,7 +220,7 @@ impl Scene {
             return Vec3::from_slice(&material.emission.factor);
         }
         let surface = self.at_sample(light, sample, time);
-        let alpha = || self.evaluate(&material.reflectance, &surface).w;
+        let alpha = || self.alpha(material, &surface);
         let there = match material.alpha {
             Alpha::Opaque => 1.0,
             Alpha::Mask { cutoff } => f32::from(alpha() >= cutoff),

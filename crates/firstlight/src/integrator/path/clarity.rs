@@ -223,7 +223,7 @@ impl<'a> Clarity<'a> {
             let shown = paper * (EDGE_ON + (1.0 - EDGE_ON) * facing) * color;
             add(scene, samples, recorder, walk.reflected(0, Source::Look, ALWAYS * shown));
             let mut vertex = Vertex::new(*walk, ray, &at, lobes.len() as u32);
-            lobes.push(Lobe::new(Kind::Lambert, shown));
+            lobes.push(Lobe::new(Kind::Lambert, scene.openness(material, &at) * shown));
             vertex.lobes.end += 1;
             vertices.push(vertex);
         }

@@ -19,8 +19,8 @@ mod view;
 pub use environment::{EnvironmentDescription, Sky};
 pub use light::{CameraLightAmount, Light, LightDescription, SpotFalloff};
 pub use material::{
-    Alpha, BumpAmount, BumpMap, ComplexIndex, Facets, Interior, Material, NormalMap, Pattern,
-    Pixels, Principled, Sampling, Scalar, Scattering, Texels, Texture, UvTransform, Wrap,
+    Alpha, BumpAmount, BumpMap, ComplexIndex, Facets, Interior, Material, NormalMap, OcclusionMap,
+    Pattern, Pixels, Principled, Sampling, Scalar, Scattering, Texels, Texture, UvTransform, Wrap,
 };
 pub use medium::Medium;
 pub use mesh::Mesh;
