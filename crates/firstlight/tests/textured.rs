@@ -68,8 +68,8 @@ fn occlusion_maps_are_looked_up_where_they_are() {
     let scene =
         format!("{SQUARE}\n[materials.paint.lambert]\n{map}\n[lights.fill.ambient]\nradiance = 1");
     let image = picture(&scene.replace("[2, 2]", "[16, 16]"));
-    // Up to where rays stand for the other half as well.
-    assert_eq!([image.get(4, 0).x, image.get(12, 0).x], [1.0, 0.0]);
+    // Rays stand for a little of what is beside them.
+    assert!(image.get(4, 0).x > 0.9999 && image.get(12, 0).x < 1e-4);
 }
 
 /// Of what is behind, 1 − opacity shows.
