@@ -1,7 +1,7 @@
 //! From film points to rays.
 
 use crate::geometry::{Cone, Ray};
-use crate::math::tangents;
+use crate::math::{BLOCK, Columns, tangents};
 use crate::scene::description::{CameraDescription, CameraPose, Projection};
 use glam::{DMat3, DQuat, DVec3, Vec2, Vec3};
 use std::f32::consts::TAU;
@@ -92,8 +92,38 @@ impl Camera {
     /// numbers in 0..1 that are spread evenly over its area; `moment` in 0..1 between the shutter's opening and its closing.
     #[inline(always)]
     pub fn ray(&self, film: Vec2, lens: Vec2, moment: f32) -> Ray {
-        let ray = Ray { time: self.time(moment), ..self.ray_at_rest(film, lens) };
+        let (origin, toward) = self.aim(film, lens);
+        let ray = Ray { time: self.time(moment), ..Ray::new(origin, toward.normalize()) };
         if let Some(journey) = &self.journey { self.taken_along(journey, &ray) } else { ray }
+    }
+
+    /// The rays through points of the film, of the lens if that [matters](Camera::has_lens), and at the first of pairs of
+    /// moments if [anything moves](crate::Scene::moves), as [`Camera::ray`] has them; replaces what is in `rays`.
+    #[inline(always)]
+    pub(crate) fn rays(&self, film: &[Vec2], lens: &[Vec2], moments: &[Vec2], rays: &mut Vec<Ray>) {
+        rays.clear();
+        let mut toward = Columns::<f32>::default();
+        for (block, film) in film.chunks(BLOCK).enumerate() {
+            let first = rays.len();
+            for (k, &film) in film.iter().enumerate() {
+                let lens = lens.get(block * BLOCK + k).copied().unwrap_or_default();
+                let (origin, direction) = self.aim(film, lens);
+                toward.set(k, direction);
+                rays.push(Ray::new(origin, direction));
+            }
+            for k in 0..BLOCK {
+                toward.set(k, toward.get(k).normalize());
+            }
+            for (k, ray) in rays[first..].iter_mut().enumerate() {
+                ray.direction = toward.get(k);
+            }
+        }
+        for (ray, moment) in rays.iter_mut().zip(moments) {
+            ray.time = self.time(moment.x);
+        }
+        if let Some(journey) = &self.journey {
+            rays.iter_mut().for_each(|ray| *ray = self.taken_along(journey, ray));
+        }
     }
 
     /// The part of the scene's time that has passed at a moment between the shutter's opening and its closing, 0..1.
@@ -117,17 +147,17 @@ impl Camera {
         Ray { origin: origin.as_vec3(), direction, ..*ray }
     }
 
+    /// Where the ray through a point of the film and one of the lens starts at time 0, and a direction of any length.
     #[inline(always)]
-    fn ray_at_rest(&self, film: Vec2, lens: Vec2) -> Ray {
+    fn aim(&self, film: Vec2, lens: Vec2) -> (Vec3, Vec3) {
         let across = self.corner + film.x * self.pixel_right + film.y * self.pixel_down;
         let position = self.position.as_vec3();
         match self.lens {
-            Lens::Parallel => Ray::new((self.position + across.as_dvec3()).as_vec3(), self.forward),
-            Lens::Pinhole => Ray::new(position, (self.forward + across).normalize()),
+            Lens::Parallel => ((self.position + across.as_dvec3()).as_vec3(), self.forward),
+            Lens::Pinhole => (position, self.forward + across),
             Lens::Thin { radius, focus } => {
                 let shift = radius * self.on_lens(lens);
-                let to_focus = (self.forward + across) * focus - shift;
-                Ray::new(position + shift, to_focus.normalize())
+                (position + shift, (self.forward + across) * focus - shift)
             }
         }
     }

@@ -6,7 +6,7 @@ use crate::geometry::Ray;
 use crate::image::Image;
 use crate::integrator::{FILM, Gatherer, LENS, RayCounts, Record, Recorder, TIME};
 use crate::layers::{LightLayers, LightTile, Taken};
-use crate::sampler::{PathPoints, Sampler, pairs};
+use crate::sampler::{Pairs, PathPoints, Sampler};
 use crate::scene::Scene;
 use crate::scene::description::FilmDescription;
 use crate::simd::{Kernel, Simd};
@@ -485,7 +485,8 @@ impl<R: Recorder> TilePass<'_, '_, R> {
     fn take(self) {
         let Self { render, tile, samples, half, worker, recorder } = self;
         let (camera, film) = (render.scene.camera(), render.scene.film());
-        let Worker { pixels, points, film_points, lens_points, times, rays, weights, .. } = worker;
+        let Worker { pixels, points, film_points, lens_points, times, rays, weights, lost, .. } =
+            worker;
         pixels.clear();
         points.clear();
         for index in tile.order() {
@@ -495,32 +496,32 @@ impl<R: Recorder> TilePass<'_, '_, R> {
                 points.push(render.sampler.points(x, y, point));
             }
         }
-        pairs(points, FILM, film_points);
+        let level = render.scene.level();
+        level.run(Pairs { paths: points, number: FILM, pairs: film_points });
         if camera.has_lens() {
-            pairs(points, LENS, lens_points);
+            level.run(Pairs { paths: points, number: LENS, pairs: lens_points });
         }
         if render.scene.moves() {
-            pairs(points, TIME, times);
+            level.run(Pairs { paths: points, number: TIME, pairs: times });
         }
-        rays.clear();
         weights.clear();
-        for (i, (&(pixel, _), &film_point)) in pixels.iter().zip(&*film_points).enumerate() {
-            let [x, y] = tile.place(pixel);
-            let (shift, weight) = render.filter.place(film_point);
-            let place = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + shift;
-            let lens_point = lens_points.get(i).copied().unwrap_or_default();
-            let moment = times.get(i).map_or(0.5, |pair| pair.x);
-            rays.push(camera.ray(place, lens_point, moment));
-            weights.push(weight);
-        }
         let count = samples.len();
+        for (film_points, pixels) in film_points.chunks_mut(count).zip(pixels.chunks(count)) {
+            let center = Vec2::from(tile.place(pixels[0].0).map(|place| place as f32 + 0.5));
+            for point in film_points {
+                let (shift, weight) = render.filter.place(*point);
+                *point = center + shift;
+                weights.push(weight);
+            }
+        }
+        camera.rays(film_points, lens_points, times, rays);
         let samples =
             worker.gatherer.gather(render.scene, film.transparent, rays, points, recorder);
-        for ((sample, &(pixel, half)), weight) in samples.iter().zip(&*pixels).zip(&mut *weights) {
-            if !tile.add(pixel, sample, *weight, half) {
-                worker.dropped.get_or_insert((tile.place(pixel), 0)).1 += 1;
-                *weight = 0.0;
-            }
+        lost.clear();
+        tile.add(samples, pixels, weights, |sample| lost.push(sample));
+        for &mut sample in lost {
+            worker.dropped.get_or_insert((tile.place(pixels[sample].0), 0)).1 += 1;
+            weights[sample] = 0.0;
         }
         let clamped = |(sample, weight): (&Sample, &f32)| f64::from(sample.clamped * weight);
         tile.clamped += samples.iter().zip(&*weights).map(clamped).sum::<f64>();
@@ -543,13 +544,17 @@ struct Worker {
     pixels: Vec<(usize, Half)>,
     /// What decides about each path.
     points: Vec<PathPoints>,
-    /// Where each path crosses the film, and the lens and when if that matters: pairs of numbers in 0..1.
+    /// Where each path crosses the film, first by its pair of numbers in 0..1, then in pixels.
     film_points: Vec<Vec2>,
+    /// Where it crosses the lens if that matters, by its pair of numbers.
     lens_points: Vec<Vec2>,
+    /// When it is if anything moves, by the first of its pair of numbers.
     times: Vec<Vec2>,
     /// Each path's first ray and its weight under the filter, 0 if its sample was dropped.
     rays: Vec<Ray>,
     weights: Vec<f32>,
+    /// The numbers of samples that are not finite.
+    lost: Vec<usize>,
     gatherer: Gatherer,
     /// First pixel with a dropped sample, and how many were dropped.
     dropped: Option<([u32; 2], u64)>,

@@ -349,3 +349,19 @@ fn what_cannot_move_is_refused_with_its_place() {
         assert!(complaint.contains(place) && complaint.contains(words), "{complaint}");
     }
 }
+
+#[test]
+fn a_lamp_that_a_moving_camera_leaves_behind_is_told() {
+    let told = |motion: &str| {
+        let text = format!(
+            "[camera.perspective]\nposition = [0, -4, 0]\n{motion}
+            [surfaces.ball.sphere]
+            [lights.head.camera]
+            irradiance = 1"
+        );
+        let (access, mut warnings) = (FileAccess::beside(Path::new("a.toml"), &[]), Vec::new());
+        scene_file::read(&text, "a.toml", &[], &access, &mut warnings).expect("it is sound");
+        warnings.iter().any(|warning| warning.to_string().contains("light \"head\""))
+    };
+    assert!(told("motion = { position = [1, -4, 0] }") && !told(""));
+}

@@ -12,8 +12,9 @@ pub use noise::Noise;
 
 use crate::color::{Rgb, luminance};
 use crate::image::Image;
+use crate::math::BLOCK;
 use allotment::Watch;
-use sums::ExactSums;
+use sums::{ExactSums, Split};
 
 /// Radiance and coverage of one camera ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,21 +65,18 @@ impl Pixel {
     /// Numbers of 32 bits that say all about a pixel.
     pub(crate) const WORDS: usize = 20;
 
-    /// Adds a sample with the weight of its place under the filter, 1 or −1. Returns whether it was finite; others are
-    /// dropped.
+    /// Adds a sample, whose light is four numbers of `light` from number `first` on, with the weight of its place under the
+    /// filter.
     #[inline(always)]
-    pub(crate) fn add(&mut self, sample: &Sample, weight: f32, half: Half) -> bool {
-        let seen = luminance(sample.radiance);
-        if !sample.radiance.is_finite() || !seen.is_finite() {
-            return false;
-        }
-        let [r, g, b] = (weight * sample.radiance).to_array();
-        let first = if half == Half::First { weight } else { 0.0 };
-        self.sums.add([r, g, b, first * seen]);
-        self.alpha += (weight * sample.alpha) as i32;
+    fn add<const M: usize>(
+        &mut self,
+        (light, first): (&Split<M>, usize),
+        (alpha, weight, first_weight): (f32, f32, f32),
+    ) {
+        self.sums.add(light, first);
+        self.alpha += (weight * alpha) as i32;
         self.weight += weight as i32;
-        self.first_weight += first as i32;
-        true
+        self.first_weight += first_weight as i32;
     }
 
     /// Adds the samples of another part.
@@ -271,6 +269,12 @@ fn row_index(origin: [u32; 2], size: [u32; 2], [x, y]: [u32; 2]) -> usize {
     (y - origin[1]) as usize * size[0] as usize + (x - origin[0]) as usize
 }
 
+/// What a sample of weight `weight` weighs in the first half.
+#[inline(always)]
+fn first_weight(weight: f32, half: Half) -> f32 {
+    if half == Half::First { weight } else { 0.0 }
+}
+
 /// The mean of two colours that are not multiplied by their alpha.
 fn mean_color([r, g, b, a]: [f32; 4], [r2, g2, b2, a2]: [f32; 4]) -> [f32; 4] {
     let part = if a + a2 > 0.0 { a / (a + a2) } else { 0.5 };
@@ -339,12 +343,43 @@ impl Tile {
         !self.second.is_empty()
     }
 
-    /// Adds a sample to a pixel; see [`Pixel::add`].
+    /// Adds samples to pixels, each with the weight of its place under the filter, 1 or −1. Those that are not finite are
+    /// dropped; `dropped` is told their numbers.
     #[inline(always)]
-    pub(crate) fn add(&mut self, index: usize, sample: &Sample, weight: f32, half: Half) -> bool {
-        let apart = half == Half::Second && !self.second.is_empty();
-        let pixels = if apart { &mut self.second } else { &mut self.pixels };
-        pixels[index].add(sample, weight, half)
+    pub(crate) fn add(
+        &mut self,
+        samples: &[Sample],
+        pixels: &[(usize, Half)],
+        weights: &[f32],
+        mut dropped: impl FnMut(usize),
+    ) {
+        const SERIES: usize = 4;
+        for (block, samples) in samples.chunks(BLOCK).enumerate() {
+            let mut light = [0.0; SERIES * BLOCK];
+            let first = block * BLOCK;
+            for (k, sample) in samples.iter().enumerate() {
+                let weight = weights[first + k];
+                let in_first = first_weight(weight, pixels[first + k].1);
+                let [r, g, b] = (weight * sample.radiance).to_array();
+                light[SERIES * k] = r;
+                light[SERIES * k + 1] = g;
+                light[SERIES * k + 2] = b;
+                light[SERIES * k + 3] = in_first * luminance(sample.radiance);
+            }
+            let split = Split::of(&light);
+            for (k, sample) in samples.iter().enumerate() {
+                if !luminance(sample.radiance.abs()).is_finite() {
+                    dropped(first + k);
+                    continue;
+                }
+                let (index, half) = pixels[first + k];
+                let weight = weights[first + k];
+                let apart = half == Half::Second && !self.second.is_empty();
+                let pixels = if apart { &mut self.second } else { &mut self.pixels };
+                let weights = (sample.alpha, weight, first_weight(weight, half));
+                pixels[index].add((&split, SERIES * k), weights);
+            }
+        }
     }
 
     /// What a pixel shows; see [`Pixel::develop`]. Halves that are kept apart count the same, however many samples they

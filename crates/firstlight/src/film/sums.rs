@@ -1,7 +1,7 @@
 //! Sums that do not depend on the order of what is added, nor on how it was grouped before.
 //!
-//! Every number is split at fixed places of the binary scale into bins that are added as integers, without rounding and
-//! without carrying. Only the two highest bins in use are kept; what falls below them is dropped, whenever it comes. So
+//! Every number is split at fixed places of the binary scale into bins that are added as integers, without
+//! carrying. Only the two highest bins in use are kept; what falls below them is dropped, whenever it comes. So
 //! the bins are a function of the set of numbers alone (Demmel & Nguyen, *Fast Reproducible Floating-Point Summation*,
 //! 2013), and what is dropped is less than 2⁻³⁸ of the largest number, each time.
 
@@ -26,12 +26,12 @@ impl<const N: usize> Default for ExactSums<N> {
 }
 
 impl<const N: usize> ExactSums<N> {
-    /// Adds one finite number to each series.
+    /// Adds one number to each series: those of `split` from number `first` on.
     #[inline(always)]
-    pub(crate) fn add(&mut self, values: [f32; N]) {
-        for (series, value) in values.into_iter().enumerate() {
-            let (top, bins) = split(value);
-            self.absorb(series, top, bins);
+    pub(crate) fn add<const M: usize>(&mut self, split: &Split<M>, first: usize) {
+        for series in 0..N {
+            let bins = [split.high[first + series], split.low[first + series]];
+            self.absorb(series, split.tops[first + series], bins);
         }
     }
 
@@ -42,18 +42,15 @@ impl<const N: usize> ExactSums<N> {
         }
     }
 
+    /// Nothing here branches: which of the two is higher cannot be foreseen.
     #[inline(always)]
-    fn absorb(&mut self, series: usize, top: u8, [high, low]: [i64; 2]) {
-        let (own, own_top) = (&mut self.bins[series], &mut self.tops[series]);
-        match i32::from(top) - i32::from(*own_top) {
-            0 => *own = [own[0].wrapping_add(high), own[1].wrapping_add(low)],
-            -1 => own[1] = own[1].wrapping_add(high),
-            ..-1 => {}
-            above => {
-                let kept = if above == 1 { own[0] } else { 0 };
-                (*own, *own_top) = ([high, low.wrapping_add(kept)], top);
-            }
-        }
+    fn absorb(&mut self, series: usize, top: u8, bins: [i64; 2]) {
+        let own = self.tops[series];
+        let level = own.max(top);
+        let [high, low] = lowered(bins, level - top);
+        let [own_high, own_low] = lowered(self.bins[series], level - own);
+        self.bins[series] = [own_high.wrapping_add(high), own_low.wrapping_add(low)];
+        self.tops[series] = level;
     }
 
     /// The sums, rounded.
@@ -66,27 +63,65 @@ impl<const N: usize> ExactSums<N> {
     }
 }
 
-/// The bin of a number's highest bit, and its parts in that bin and the one below.
+/// What there is in a bin and the one below, as seen from so many bins higher.
 #[inline(always)]
-fn split(value: f32) -> (u8, [i64; 2]) {
-    let bits = value.to_bits();
-    let exponent = bits >> 23 & 0xff;
-    let hidden = u32::from(exponent > 0) << 23;
-    let mantissa = i64::from(bits & 0x7f_ffff | hidden);
-    if mantissa == 0 {
-        return (0, [0; 2]);
-    }
-    // The value is ± mantissa · 2^(shift − 149). A number and its negative are split alike, so that they cancel.
-    let shift = exponent.max(1) - 1;
-    let top = (shift + 23) / BIN;
-    let [high, low] = match shift.checked_sub(top * BIN) {
-        Some(up) => [mantissa << up, 0],
-        None => {
-            let down = top * BIN - shift;
-            [mantissa >> down, (mantissa & ((1 << down) - 1)) << (BIN - down)]
+fn lowered([high, low]: [i64; 2], by: u8) -> [i64; 2] {
+    [
+        if by == 0 { high } else { 0 },
+        if by == 0 {
+            low
+        } else if by == 1 {
+            high
+        } else {
+            0
+        },
+    ]
+}
+
+/// `M` numbers, each with its parts in the bin of its highest bit and in the one below.
+pub(crate) struct Split<const M: usize> {
+    high: [i64; M],
+    low: [i64; M],
+    tops: [u8; M],
+}
+
+impl<const M: usize> Split<M> {
+    /// Splits numbers; of those that are not finite nothing sensible comes out.
+    #[inline(always)]
+    pub(crate) fn of(values: &[f32; M]) -> Self {
+        let mut split = Self { high: [0; M], low: [0; M], tops: [0; M] };
+        for i in 0..M {
+            (split.tops[i], split.high[i], split.low[i]) = split_one(values[i]);
         }
-    };
-    (top as u8, if value.is_sign_negative() { [-high, -low] } else { [high, low] })
+        split
+    }
+}
+
+/// A bin and a number's parts in it and the one below. A number and its negative are split alike, so that they cancel.
+#[inline(always)]
+fn split_one(value: f32) -> (u8, i64, i64) {
+    // The value is ± a whole number below 2²⁴ · 2^(shift − 149), so that all that follows is exact.
+    let shift = (value.to_bits() >> 23 & 0xff).max(1) - 1;
+    let top = (shift + 23) / BIN;
+    let unit = (1023 - LOWEST) as u32 - BIN * top;
+    let in_bins = f64::from(value) * f64::from_bits(u64::from(unit) << 52);
+    let high = nearest(in_bins);
+    (top as u8, whole(high), whole(nearest((in_bins - (high - WHOLE)) * (1_u64 << BIN) as f64)))
+}
+
+/// Doubles of this size have no bits below 1.
+const WHOLE: f64 = 1.5 * (1_u64 << 52) as f64;
+
+/// The nearest whole number to one below 2⁵¹, plus [`WHOLE`].
+#[inline(always)]
+fn nearest(x: f64) -> f64 {
+    x + WHOLE
+}
+
+/// A whole number that [`WHOLE`] was added to.
+#[inline(always)]
+fn whole(x: f64) -> i64 {
+    x.to_bits().wrapping_sub(WHOLE.to_bits()) as i64
 }
 
 /// 2^`exponent` for the exponents of normal numbers.
@@ -101,7 +136,7 @@ mod tests {
 
     fn sum_of(values: &[f32]) -> ExactSums<1> {
         let mut sums = ExactSums::default();
-        values.iter().for_each(|value| sums.add([*value]));
+        values.iter().for_each(|value| sums.add(&Split::of(&[*value]), 0));
         sums
     }
 

@@ -3,6 +3,7 @@
 //! Batches of rays go through the stages in the lecture's order; each stage takes slices and fills vectors.
 
 use super::media::Media;
+use super::points::{Lit, MATTE, Point, Points};
 use super::record::{Asked, Followed, Gain, Recorder, add};
 use super::shadows::ShadowRays;
 use super::source::Source;
@@ -57,7 +58,8 @@ pub(crate) struct Direct<'a> {
 #[derive(Default)]
 pub(crate) struct Scratch {
     hits: Vec<Hit>,
-    points: Vec<Point>,
+    points: Points,
+    lit: Lit,
     /// What the points on surfaces that are more than matte do with light, and their lobes.
     glossy: Vec<Glossy>,
     lobes: Vec<Lobe>,
@@ -67,23 +69,6 @@ pub(crate) struct Scratch {
     /// What was traced so far.
     pub counts: RayCounts,
 }
-
-/// A point to be shaded: what the lights need to know of a surface.
-struct Point {
-    /// Index of the camera ray.
-    ray: usize,
-    position: DVec3,
-    /// Where shadow rays start.
-    start: Vec3,
-    shading_normal: Vec3,
-    /// The lecture's k_d = R_d / π, sr⁻¹, of a matte surface.
-    matte: Rgb,
-    /// Place among the glossy points, or [`MATTE`].
-    glossy: u32,
-}
-
-/// Says that a point is on a matte surface.
-const MATTE: u32 = u32::MAX;
 
 /// What else there is to know of a point on a surface that is more than matte.
 struct Glossy {
@@ -98,7 +83,7 @@ struct Glossy {
 impl Scratch {
     /// Of the last batch: how many rays met a surface, and the largest radiance of any channel that one sent back.
     pub(crate) fn seen(&self) -> (u64, f32) {
-        let radiance = self.points.iter().map(|point| self.samples[point.ray].radiance);
+        let radiance = self.points.rays().map(|ray| self.samples[ray as usize].radiance);
         (self.points.len() as u64, radiance.map(Rgb::max_element).fold(0.0, f32::max))
     }
 }
@@ -231,7 +216,7 @@ impl<'a> Direct<'a> {
                 gain(Source::Ambient, ambient * self.scene.ambient, 1),
             );
             points.push(Point {
-                ray,
+                ray: sample,
                 position: surface.position.as_dvec3(),
                 start,
                 shading_normal: surface.shading_normal,
@@ -250,36 +235,42 @@ impl<'a> Direct<'a> {
         scratch: &mut Scratch,
         recorder: &mut impl Recorder,
     ) {
-        let Scratch { points, glossy, lobes, shadows: shadow_rays, samples, .. } = scratch;
+        let Scratch { points, lit, glossy, lobes, shadows: shadow_rays, samples, .. } = scratch;
         let t_min = self.scene.shadow_t_min();
         let shadows = light.shadows && self.scene.shadows != Shadows::Off;
         shadow_rays.clear();
-        for point in points.iter() {
-            let Some(sample) = light.sample(point.position) else { continue };
-            let cos = point.shading_normal.dot(sample.incoming);
-            let (scattered, start) = match glossy.get(point.glossy as usize) {
-                None if cos <= 0.0 => continue,
-                None => (point.matte * cos, point.start),
-                Some(glossy) if cos > 0.0 => (glossy.eval(lobes, sample.incoming), point.start),
-                Some(glossy) => (glossy.eval(lobes, sample.incoming), glossy.behind),
-            };
-            let LightSample { incoming, irradiance, .. } = sample;
-            let radiance = scattered * irradiance;
-            if radiance == Rgb::ZERO {
-                continue;
+        for (block, count) in points.blocks() {
+            lit.ask(light, block, count);
+            for k in 0..count {
+                let point = block.get(k);
+                let (sample, cos, mut ray) = lit.get(k, point.start, t_min);
+                let LightSample { incoming, irradiance, .. } = sample;
+                let scattered = match glossy.get(point.glossy as usize) {
+                    _ if irradiance == Rgb::ZERO => continue,
+                    None if cos <= 0.0 => continue,
+                    None => point.matte * cos,
+                    Some(glossy) => glossy.eval(lobes, incoming),
+                };
+                let radiance = scattered * irradiance;
+                if radiance == Rgb::ZERO {
+                    continue;
+                }
+                if let Some(glossy) = glossy.get(point.glossy as usize).filter(|_| cos <= 0.0) {
+                    ray = sample.ray_from(point.position.as_vec3(), glossy.behind, t_min);
+                }
+                let gain = Gain {
+                    sample: point.ray,
+                    source,
+                    bounce: 0,
+                    reflections: 1,
+                    asked: true,
+                    radiance,
+                };
+                let ray = shadows.then_some(ray);
+                let passed = Rgb::ONE;
+                let asked = Asked { gain, ray, incoming, scattered, irradiance, passed };
+                shadow_rays.ask(self.scene, &asked, Media::default(), samples, recorder);
             }
-            let gain = Gain {
-                sample: point.ray as u32,
-                source,
-                bounce: 0,
-                reflections: 1,
-                asked: true,
-                radiance,
-            };
-            let ray = shadows.then(|| sample.ray_from(point.position.as_vec3(), start, t_min));
-            let passed = Rgb::ONE;
-            let asked = Asked { gain, ray, incoming, scattered, irradiance, passed };
-            shadow_rays.ask(self.scene, &asked, Media::default(), samples, recorder);
         }
     }
 }

@@ -7,6 +7,7 @@ mod media;
 mod meter;
 mod panes;
 mod path;
+mod points;
 mod record;
 mod shadows;
 mod source;

@@ -25,7 +25,7 @@ use super::source::Source;
 use crate::color::Rgb;
 use crate::film::Sample;
 use crate::geometry::{Cone, Hit, Ray};
-use crate::sampler::PathPoints;
+use crate::sampler::{Pairs, PathPoints};
 use crate::scene::{LocalLight, LocalLights, Meets, Scene, SeenByCamera};
 use crate::shading::bsdf::{Bsdf, Frame, Kind, Lobe};
 use crate::shading::interaction::{SurfaceInteraction, clearance};
@@ -33,6 +33,7 @@ use crate::shading::light::LightSample;
 use crate::shading::light::area::AreaLight;
 use crate::shading::light::environment::EnvironmentSample;
 use crate::shading::volume::HenyeyGreenstein;
+use crate::simd::Level;
 use glam::{DVec3, Vec2, Vec3};
 use std::f32::consts::PI;
 use std::ops::Range;
@@ -93,6 +94,7 @@ pub(crate) struct Scratch {
     vertices: Vec<Vertex>,
     /// What the vertices' surfaces do with light.
     lobes: Vec<Lobe>,
+    draws: Draws,
     shadows: ShadowRays,
     /// One answer per camera ray.
     pub samples: Vec<Sample>,
@@ -100,6 +102,36 @@ pub(crate) struct Scratch {
     pub counts: RayCounts,
     /// Which camera rays met a surface.
     on_surface: Vec<u32>,
+}
+
+/// Numbers in 0..1 that decide about vertices.
+#[derive(Default)]
+struct Draws {
+    paths: Vec<PathPoints>,
+    pairs: [Vec<Vec2>; 2],
+}
+
+impl Draws {
+    /// Draws the pairs with these numbers for all vertices.
+    fn draw<const N: usize>(
+        &mut self,
+        level: Level,
+        points: &[PathPoints],
+        vertices: &[Vertex],
+        numbers: [u32; N],
+    ) {
+        self.paths.clear();
+        self.paths.extend(vertices.iter().map(|vertex| points[vertex.walk.sample as usize]));
+        for (number, pairs) in numbers.into_iter().zip(&mut self.pairs) {
+            level.run(Pairs { paths: &self.paths, number, pairs });
+        }
+    }
+
+    /// The pairs of vertex `k`.
+    #[inline(always)]
+    fn get<const N: usize>(&self, k: usize) -> [Vec2; N] {
+        std::array::from_fn(|i| self.pairs[i][k])
+    }
 }
 
 /// A path up to its last ray.
@@ -312,11 +344,12 @@ impl<'a> Path<'a> {
             walk.cone = walk.cone.after(hit.t);
             surface.seen_width = walk.cone.width;
             let material = self.scene.material(hit);
-            let mut vertex = Vertex::new(walk, ray, &surface, lobes.len() as u32);
-            vertex.beyond = crossing.map_or(walk.media, |crossing| crossing.beyond);
+            let (outgoing, first) = (-ray.direction, lobes.len() as u32);
             let boundary = crossing.and_then(|crossing| crossing.boundary);
-            if crossing.is_some() && boundary.is_none() {
+            let openness = self.scene.openness(material, &surface);
+            let frame = if crossing.is_some() && boundary.is_none() {
                 lobes.push(Lobe::new(Kind::Straight, Rgb::ONE));
+                Frame::around(surface.shading_normal)
             } else {
                 let emitted = self.scene.emitted(material, &surface);
                 if emitted != Rgb::ZERO {
@@ -330,20 +363,21 @@ impl<'a> Path<'a> {
                     continue;
                 }
                 let (frame, scattered) =
-                    self.scene.add_lobes(material, &surface, vertex.outgoing, boundary, lobes);
-                vertex.frame = frame;
-                vertex.openness = self.scene.openness(material, &surface);
+                    self.scene.add_lobes(material, &surface, outgoing, boundary, lobes);
                 if self.scene.ambient != Rgb::ZERO && !on {
                     let reflected = self.scene.ambient_reflectance(material, &surface);
                     let reflected = reflected.unwrap_or(scattered);
-                    let ambient = vertex.openness * reflected * self.scene.ambient;
+                    let ambient = openness * reflected * self.scene.ambient;
                     let gain = walk.reflected(bounce, Source::Ambient, ambient);
                     add(self.scene, samples, recorder, gain);
                 }
-            }
-            vertex.lobes.end = lobes.len() as u32;
-            if !vertex.lobes.is_empty() {
-                vertices.push(vertex);
+                frame
+            };
+            let lobes = first..lobes.len() as u32;
+            if !lobes.is_empty() {
+                let beyond = crossing.map_or(walk.media, |crossing| crossing.beyond);
+                let vertex = Vertex::new(walk, ray, &surface, frame, lobes);
+                vertices.push(Vertex { beyond, openness, ..vertex });
             }
         }
     }
@@ -403,45 +437,45 @@ impl<'a> Path<'a> {
         recorder: &mut impl Recorder,
     ) {
         let pairs = Bounce::new(bounce);
-        let pair = |vertex: &Vertex, pair: u32| points[vertex.walk.sample as usize].pair(pair);
         let asks_all = self.asks_all(bounce);
         let LocalLights { points: near, elsewhere, .. } = &self.scene.local_lights;
         let near = if asks_all { near.as_slice() } else { &[] };
         for &place in elsewhere.iter().chain(near) {
-            self.ask(bounce, scratch, recorder, |vertex, lobes| {
+            self.ask(bounce, points, [], scratch, recorder, |vertex, lobes, []| {
                 self.light_from_point(vertex, lobes, place, 1.0)
             });
         }
         if asks_all {
             for number in 0..self.scene.round_lights.len() as u32 {
-                let place = pairs.light(number);
-                self.ask(bounce, scratch, recorder, |vertex, lobes| {
-                    self.light_from_round(vertex, lobes, number, 1.0, pair(vertex, place))
+                let place = [pairs.light(number)];
+                self.ask(bounce, points, place, scratch, recorder, |vertex, lobes, [u]| {
+                    self.light_from_round(vertex, lobes, number, 1.0, u)
                 });
             }
             for (number, light) in (0..).zip(self.scene.area_lights.iter()) {
-                let place = pairs.light(self.scene.round_lights.len() as u32 + number);
-                self.ask(bounce, scratch, recorder, |vertex, lobes| {
-                    self.light_from_area(vertex, lobes, light, 1.0, pair(vertex, place))
+                let place = [pairs.light(self.scene.round_lights.len() as u32 + number)];
+                self.ask(bounce, points, place, scratch, recorder, |vertex, lobes, [u]| {
+                    self.light_from_area(vertex, lobes, light, 1.0, u)
                 });
             }
         } else {
-            self.ask(bounce, scratch, recorder, |vertex, lobes| {
-                let u = pair(vertex, pairs.pick()).as_dvec2();
-                let place = pair(vertex, pairs.light(0));
-                self.light_from_any(vertex, lobes, u.x + u.y * PAIR_STEP, place)
+            let picks = [pairs.pick(), pairs.light(0)];
+            self.ask(bounce, points, picks, scratch, recorder, |vertex, lobes, [pick, u]| {
+                let pick = pick.as_dvec2();
+                self.light_from_any(vertex, lobes, pick.x + pick.y * PAIR_STEP, u)
             });
         }
         for (place, (sun, number)) in (0..).zip(self.scene.suns.iter().zip(&self.scene.sun_numbers))
         {
-            self.ask(bounce, scratch, recorder, |vertex, lobes| {
-                let sample = sun.sample(pair(vertex, pairs.sun(place)));
-                self.light_from_afar(vertex, lobes, Source::Light(*number), sample)
+            let place = [pairs.sun(place)];
+            self.ask(bounce, points, place, scratch, recorder, |vertex, lobes, [u]| {
+                self.light_from_afar(vertex, lobes, Source::Light(*number), sun.sample(u))
             });
         }
         for ambient in &self.scene.near_ambient {
-            self.ask(bounce, scratch, recorder, |vertex, lobes| {
-                let [direction, choice] = pairs.ambient().map(|place| pair(vertex, place));
+            let draws = pairs.ambient();
+            self.ask(bounce, points, draws, scratch, recorder, |vertex, lobes, draws| {
+                let [direction, choice] = draws;
                 let source = Source::Light(ambient.number);
                 let answer =
                     vertex.light_from_sky(lobes, source, ambient.reach, choice.x, direction)?;
@@ -449,8 +483,9 @@ impl<'a> Path<'a> {
             });
         }
         if let Some((environment, _)) = &self.scene.environment {
-            self.ask(bounce, scratch, recorder, |vertex, lobes| {
-                let sample = environment.sample(pair(vertex, pairs.environment()))?;
+            let place = [pairs.environment()];
+            self.ask(bounce, points, place, scratch, recorder, |vertex, lobes, [u]| {
+                let sample = environment.sample(u)?;
                 self.light_from_afar(vertex, lobes, Source::Environment, sample)
             });
         }
@@ -553,19 +588,23 @@ impl<'a> Path<'a> {
         Some(Answer { source, ray, incoming, scattered, irradiance })
     }
 
-    /// Asks a light at every vertex, and adds what it gives where nothing is in the way.
+    /// Asks a light at every vertex, by pairs of numbers in 0..1 with these numbers, and adds what it gives where nothing is in
+    /// the way.
     #[inline(always)]
-    fn ask(
+    fn ask<const N: usize>(
         &self,
         bounce: u32,
+        points: &[PathPoints],
+        numbers: [u32; N],
         scratch: &mut Scratch,
         recorder: &mut impl Recorder,
-        light: impl Fn(&Vertex, &[Lobe]) -> Option<Answer>,
+        light: impl Fn(&Vertex, &[Lobe], [Vec2; N]) -> Option<Answer>,
     ) {
-        let Scratch { vertices, lobes, shadows, samples, counts, .. } = scratch;
+        let Scratch { vertices, lobes, draws, shadows, samples, counts, .. } = scratch;
         shadows.clear();
-        for vertex in vertices.iter() {
-            if let Some(answer) = light(vertex, lobes) {
+        draws.draw(self.scene.level(), points, vertices, numbers);
+        for (k, vertex) in vertices.iter().enumerate() {
+            if let Some(answer) = light(vertex, lobes, draws.get(k)) {
                 let asked = answer.at(vertex, bounce);
                 shadows.ask(self.scene, &asked, vertex.media(answer.incoming), samples, recorder);
             }
@@ -578,13 +617,12 @@ impl<'a> Path<'a> {
 #[inline(always)]
 fn scatter(scene: &Scene, bounce: u32, points: &[PathPoints], scratch: &mut Scratch) {
     let pairs = Bounce::new(bounce);
-    let Scratch { vertices, lobes, rays, walks, .. } = scratch;
+    let Scratch { vertices, lobes, draws, rays, walks, .. } = scratch;
     rays.clear();
     walks.clear();
-    for vertex in vertices.iter() {
-        let walk = &vertex.walk;
-        let points = &points[walk.sample as usize];
-        let (choice, u) = (points.pair(pairs.choice()), points.pair(pairs.direction()));
+    draws.draw(scene.level(), points, vertices, [pairs.choice(), pairs.direction()]);
+    for (k, vertex) in vertices.iter().enumerate() {
+        let (walk, [choice, u]) = (&vertex.walk, draws.get(k));
         let Some(sample) = vertex.bsdf(lobes).sample(choice.x, u) else { continue };
         let throughput = walk.throughput * sample.weight;
         let sharp_only = walk.sharp_only && sample.pdf.is_infinite();
@@ -723,19 +761,18 @@ impl Walk {
 }
 
 impl Vertex {
-    /// Where `ray` met `surface`, with no lobes yet, of which there are so many.
+    /// Where `ray` met `surface`, no solid's boundary, with these lobes.
     #[inline(always)]
-    fn new(walk: Walk, ray: &Ray, surface: &SurfaceInteraction, lobes: u32) -> Self {
-        Self {
-            walk,
-            position: surface.position,
-            starts: [surface.ray_origin(), surface.behind()],
-            frame: Frame::around(surface.shading_normal),
-            outgoing: -ray.direction,
-            lobes: lobes..lobes,
-            beyond: walk.media,
-            openness: 1.0,
-        }
+    fn new(
+        walk: Walk,
+        ray: &Ray,
+        surface: &SurfaceInteraction,
+        frame: Frame,
+        lobes: Range<u32>,
+    ) -> Self {
+        let starts = [surface.ray_origin(), surface.behind()];
+        let (position, outgoing, beyond) = (surface.position, -ray.direction, walk.media);
+        Self { walk, position, starts, frame, outgoing, lobes, beyond, openness: 1.0 }
     }
 
     /// At the end of `ray`, between the particles of a medium, with one lobe.

@@ -1,5 +1,9 @@
 //! Small mathematics that glam does not have.
 
+mod columns;
+
+pub(crate) use columns::{BLOCK, Columns};
+
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
@@ -19,15 +23,21 @@ pub(crate) fn tangents(normal: DVec3) -> (DVec3, DVec3) {
 ///
 /// Shirley & Chiu, *A Low Distortion Map Between Disk and Square*, 1997.
 pub(crate) fn concentric(u: DVec2) -> DVec2 {
+    let (radius, angle) = concentric_polar(u);
+    radius * DVec2::from_angle(angle)
+}
+
+/// The same as a radius of −1..1 and an angle, rad.
+#[inline(always)]
+pub(crate) fn concentric_polar(u: DVec2) -> (f64, f64) {
     let square = 2.0 * u - 1.0;
-    let (radius, angle) = if square.x.abs() > square.y.abs() {
+    if square.x.abs() > square.y.abs() {
         (square.x, FRAC_PI_4 * (square.y / square.x))
     } else if square.y != 0.0 {
         (square.y, FRAC_PI_2 - FRAC_PI_4 * (square.x / square.y))
     } else {
         (0.0, 0.0)
-    };
-    radius * DVec2::from_angle(angle)
+    }
 }
 
 /// Mixes the bits of `x` (the finaliser of SplitMix64; Steele, Lea, Flood 2014): a good 64-bit hash.

@@ -7,11 +7,13 @@
 //! *Screen-Space Blue-Noise Diffusion of Monte Carlo Sampling Error via Hierarchical Ordering of Pixels*, 2020).
 
 use crate::math::hash;
+use crate::simd::{Kernel, Simd};
 use glam::Vec2;
 
 /// Where the samples of a picture are taken.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sampler {
+    /// Its bits mixed.
     seed: u64,
     /// Each pixel has 2 to the power of this many points of the sequence.
     bits: u32,
@@ -30,7 +32,7 @@ impl Sampler {
     /// For so many samples per pixel, fewer than 2³². Samples beyond the next power of two belong to further sequences.
     pub(crate) fn new(seed: u64, samples: u32) -> Self {
         let bits = u32::BITS - samples.saturating_sub(1).leading_zeros();
-        Self { seed, bits }
+        Self { seed: hash(seed), bits }
     }
 
     /// The sequence that all others are scrambled from. Its first coordinate is the radical inverse of the index.
@@ -43,7 +45,7 @@ impl Sampler {
     pub(crate) fn points(&self, x: u32, y: u32, index: u32) -> PathPoints {
         let (round, index) = (u64::from(index) >> self.bits, u64::from(index));
         let place = morton(x, y) << self.bits | (index & ((1 << self.bits) - 1));
-        let sequence = hash(hash(self.seed) ^ place >> 32 ^ round << 32);
+        let sequence = hash(self.seed ^ place >> 32 ^ round << 32);
         PathPoints { reversed: (place as u32).reverse_bits(), sequence }
     }
 }
@@ -59,18 +61,32 @@ impl PathPoints {
 /// The same pair of dimensions of many paths, as [`PathPoints::pair`]; replaces what is in `pairs`.
 ///
 /// Paths of one sequence share their coins, and what is left is done for several at a time.
-#[inline(always)]
-pub(crate) fn pairs(paths: &[PathPoints], number: u32, pairs: &mut Vec<Vec2>) {
-    pairs.clear();
-    pairs.resize(paths.len(), Vec2::ZERO);
-    let mut rest = pairs.as_mut_slice();
-    for paths in paths.chunk_by(|a, b| a.sequence == b.sequence) {
-        let coins = Coins::new(paths[0].sequence, number);
-        let (own, others) = rest.split_at_mut(paths.len());
-        for (pair, path) in own.iter_mut().zip(paths) {
-            *pair = coins.point(path.reversed);
+pub(crate) struct Pairs<'a> {
+    /// The paths.
+    pub paths: &'a [PathPoints],
+    /// The number of the pair.
+    pub number: u32,
+    /// The points, one for each path.
+    pub pairs: &'a mut Vec<Vec2>,
+}
+
+impl Kernel for Pairs<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, _: S) {
+        let Self { paths, number, pairs } = self;
+        pairs.clear();
+        pairs.resize(paths.len(), Vec2::ZERO);
+        let mut rest = pairs.as_mut_slice();
+        for paths in paths.chunk_by(|a, b| a.sequence == b.sequence) {
+            let coins = Coins::new(paths[0].sequence, number);
+            let (own, others) = rest.split_at_mut(paths.len());
+            for (pair, path) in own.iter_mut().zip(paths) {
+                *pair = coins.point(path.reversed);
+            }
+            rest = others;
         }
-        rest = others;
     }
 }
 

@@ -13,7 +13,7 @@ use crate::integrator::record::{Recorder, add};
 use crate::sampler::PathPoints;
 use crate::scene::description::Section;
 use crate::scene::{Meets, Scene, SeenByCamera};
-use crate::shading::bsdf::{Kind, Lobe};
+use crate::shading::bsdf::{Frame, Kind, Lobe};
 use glam::{DVec3, Vec2, Vec3, Vec4Swizzles};
 
 /// Directions in which each sample looks for the sky.
@@ -222,10 +222,9 @@ impl<'a> Clarity<'a> {
             let facing = at.shading_normal.dot(-ray.direction).clamp(0.0, 1.0);
             let shown = paper * (EDGE_ON + (1.0 - EDGE_ON) * facing) * color;
             add(scene, samples, recorder, walk.reflected(0, Source::Look, ALWAYS * shown));
-            let mut vertex = Vertex::new(*walk, ray, &at, lobes.len() as u32);
+            let (frame, lobe) = (Frame::around(at.shading_normal), lobes.len() as u32);
             lobes.push(Lobe::new(Kind::Lambert, scene.openness(material, &at) * shown));
-            vertex.lobes.end += 1;
-            vertices.push(vertex);
+            vertices.push(Vertex::new(*walk, ray, &at, frame, lobe..lobe + 1));
         }
     }
 
@@ -238,8 +237,7 @@ impl<'a> Clarity<'a> {
         let share = Rgb::splat((1.0 - ALWAYS) / LOOKS as f32);
         for look in 0..LOOKS {
             let pair = Bounce::new(look).direction();
-            self.path.ask(0, scratch, recorder, |vertex, lobes| {
-                let u = points[vertex.walk.sample as usize].pair(pair);
+            self.path.ask(0, points, [pair], scratch, recorder, |vertex, lobes, [u]| {
                 let answer = vertex.light_from_sky(lobes, Source::Look, self.distance, 0.0, u)?;
                 let ray = answer.ray.map(|ray| self.kept(&ray));
                 Some(Answer { ray, irradiance: share, ..answer })

@@ -9,7 +9,7 @@ use crate::integrator::dimensions::Bounce;
 use crate::integrator::record::{Recorder, add};
 use crate::sampler::PathPoints;
 use crate::scene::Scene;
-use crate::shading::bsdf::{Kind, Lobe};
+use crate::shading::bsdf::{Frame, Kind, Lobe};
 use glam::{DVec3, Vec3};
 
 /// Looks for the sky.
@@ -63,9 +63,9 @@ impl<'a> Occlusion<'a> {
             recorder.follow(&walk.along(0, ray, hit));
             if hit.is_some() {
                 on_surface.push(walk.sample);
-                let mut white = Vertex::new(*walk, ray, &scene.interaction(ray, hit), 0);
-                white.lobes.end = 1;
-                vertices.push(white);
+                let at = scene.interaction(ray, hit);
+                let frame = Frame::around(at.shading_normal);
+                vertices.push(Vertex::new(*walk, ray, &at, frame, 0..1));
             } else if transparent {
                 samples[walk.sample as usize].alpha = 0.0;
             } else {
@@ -82,8 +82,7 @@ impl<'a> Occlusion<'a> {
         recorder: &mut impl Recorder,
     ) {
         let pair = Bounce::new(0).direction();
-        self.path.ask(0, scratch, recorder, |vertex, lobes| {
-            let u = points[vertex.walk.sample as usize].pair(pair);
+        self.path.ask(0, points, [pair], scratch, recorder, |vertex, lobes, [u]| {
             vertex.light_from_sky(lobes, Source::Environment, self.distance, 0.0, u)
         });
     }

@@ -15,8 +15,8 @@ use crate::io::gltf::LightUnits;
 use crate::io::model::{self, Format, UpAxis, upright};
 use crate::io::{FileAccess, Warnings};
 use crate::scene::description::{
-    Integrator, LuminousEfficacy, Material, Part, SceneDescription, Shadows, Shape, Surface,
-    Texture, Up,
+    Integrator, Light, LightDescription, LuminousEfficacy, Material, Part, SceneDescription,
+    Shadows, Shape, Surface, Texture, Up,
 };
 use crate::scene::middle;
 use crate::suggest::{did_you_mean, quoted};
@@ -103,6 +103,7 @@ pub(super) fn build(
     warnings.extend(builder.scene.leave_out_far_triangles(document.name));
     warnings.extend(unheeded_shadows(&builder.scene, document.name));
     warnings.extend(medium::doubts(&builder.scene, document.name));
+    warnings.extend(left_behind(&builder.scene, document.name));
     Ok(builder.scene)
 }
 
@@ -114,6 +115,16 @@ fn unheeded_shadows(scene: &SceneDescription, name: &str) -> Option<Diagnostic> 
         let help = "it is for the integrator \"direct\", points and parallel light";
         Diagnostic::new(name, message).help(help)
     })
+}
+
+/// A word about lights at a camera that moves.
+fn left_behind(scene: &SceneDescription, name: &str) -> Option<Diagnostic> {
+    let at_camera = |light: &LightDescription| matches!(light.light, Light::Camera { .. });
+    let light = scene.lights.iter().find(|light| at_camera(light))?;
+    scene.cameras.first()?.motion.as_ref()?;
+    let message = "stays where the camera is at time 0; cameras move, lights do not";
+    let warning = Diagnostic::new(name, message).at_part(format!("light {}", quoted(&light.name)));
+    Some(warning.help("let the things move instead, or use lights that stand somewhere"))
 }
 
 impl Builder<'_> {

@@ -1,16 +1,16 @@
 //! Light that is scattered in a rough, pale ground.
 
 use crate::color::Rgb;
-use crate::math::concentric;
+use crate::math::concentric_polar;
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
 
 /// A direction of the upper hemisphere in proportion to its cosine: points of a disk, lifted onto the hemisphere above
 /// (Malley).
 pub(crate) fn cosine_weighted(u: Vec2) -> Vec3 {
-    let place = concentric(u.as_dvec2());
-    let up = (1.0 - place.length_squared()).max(0.0).sqrt();
-    place.extend(up).as_vec3()
+    let (radius, angle) = concentric_polar(u.as_dvec2());
+    let up = (1.0 - radius * radius).max(0.0).sqrt() as f32;
+    (radius as f32 * Vec2::from_angle(angle as f32)).extend(up)
 }
 
 /// The energy-preserving Oren–Nayar model: a matte surface of many small matte facets.

@@ -9,6 +9,7 @@ mod web;
 
 use crate::color::Rgb;
 use crate::geometry::{Bounds, Ray};
+use crate::math::{BLOCK, Columns};
 pub(crate) use round::RoundLight;
 
 use crate::scene::description::{PhotometricWeb, SpotFalloff};
@@ -51,7 +52,56 @@ pub(crate) struct LightSample {
     pub irradiance: Rgb,
 }
 
+/// What a block of points receives of a light; see [`LightSample`].
+#[derive(Debug, Clone)]
+pub(crate) struct LightSamples {
+    incoming: Columns<f32>,
+    distance: [f32; BLOCK],
+    irradiance: Columns<f32>,
+}
+
+impl Default for LightSamples {
+    fn default() -> Self {
+        let (incoming, irradiance) = (Columns::default(), Columns::default());
+        Self { incoming, distance: [0.0; BLOCK], irradiance }
+    }
+}
+
+impl LightSamples {
+    /// What point `k` receives; where that is nothing, it is black.
+    #[inline(always)]
+    pub(crate) fn get(&self, k: usize) -> LightSample {
+        LightSample {
+            incoming: self.incoming.get(k),
+            distance: self.distance[k],
+            irradiance: self.irradiance.get(k),
+        }
+    }
+
+    #[inline(always)]
+    fn set(&mut self, k: usize, sample: Option<LightSample>) {
+        let sample = sample.unwrap_or(LightSample::NOTHING);
+        self.incoming.set(k, sample.incoming);
+        self.distance[k] = sample.distance;
+        self.irradiance.set(k, sample.irradiance);
+    }
+}
+
 impl Light {
+    /// What reaches the first `count` of `points`, as [`Light::sample`] says.
+    #[inline(always)]
+    pub(crate) fn sample_all(&self, points: &Columns<f64>, count: usize, into: &mut LightSamples) {
+        if let Source::Point { position, intensity } = self.source {
+            for k in 0..BLOCK {
+                into.set(k, from_point(position, intensity, points.get(k)));
+            }
+        } else {
+            for k in 0..count {
+                into.set(k, self.sample(points.get(k)));
+            }
+        }
+    }
+
     /// Where it is and how much it gives; `None` if it is everywhere alike.
     pub(crate) fn bounds(&self) -> Option<LightBounds> {
         let everywhere = EmissionCone::EVERYWHERE;
@@ -117,17 +167,23 @@ impl Source {
 }
 
 impl LightSample {
+    /// No light, from nowhere.
+    const NOTHING: Self = Self { incoming: Vec3::ZERO, distance: 0.0, irradiance: Rgb::ZERO };
+
     /// The shadow ray from `origin`, which is near `point`, that ends just before the light.
     #[inline(always)]
     pub(crate) fn ray_from(&self, point: Vec3, origin: Vec3, t_min: f32) -> Ray {
-        let Some(to_light) = self.distance.is_finite().then(|| self.incoming * self.distance)
-        else {
-            return Ray { t_min, ..Ray::new(origin, self.incoming) };
-        };
-        let to_light = to_light + (point - origin);
+        let endless = self.distance == f32::INFINITY;
+        let to_light = self.incoming * self.distance + (point - origin);
         let distance = to_light.length();
+        let direction = to_light * distance.recip();
         let t_max = distance * (1.0 - 4.0 * f32::EPSILON);
-        Ray { t_min, t_max, ..Ray::new(origin, to_light * distance.recip()) }
+        Ray {
+            direction: if endless { self.incoming } else { direction },
+            t_min,
+            t_max: if endless { f32::INFINITY } else { t_max },
+            ..Ray::new(origin, direction)
+        }
     }
 }
 

@@ -70,8 +70,8 @@ impl LightShape {
         match self {
             Self::Ellipsoid(shape) => shape.pdf(from, position),
             Self::Disk(shape) => shape.pdf(from, position),
-            Self::Parallelogram(shape) => shape.pdf(from),
-            Self::Triangle(shape) => shape.pdf(from),
+            Self::Parallelogram(shape) => shape.pdf(from, position),
+            Self::Triangle(shape) => shape.pdf(from, position),
             Self::CylinderSide(shape) => shape.pdf(from, position),
         }
     }
