@@ -81,7 +81,7 @@ impl<'a> Pictures<'a> {
                 );
                 let help = Some("magenta and black squares stand in for it".into());
                 let code = MISSING;
-                warnings.push(Diagnostic { message, place, help, code, ..Diagnostic::default() });
+                warnings.push(Diagnostic { message, place, help, code });
                 None
             }
         };
