@@ -19,7 +19,9 @@ Usage: cargo xtask COMMAND
             small pictures of every glTF model in a folder on one sheet
   bench     times tracing and building, beside Embree where it is installed; more with --help
   bench --peers
-            times whole renders beside Mitsuba, Cycles, LuxCore and POV-Ray; more with --help";
+            times whole renders beside Mitsuba, Cycles, LuxCore and POV-Ray; more with --help
+  bench --race
+            how soon paths come to the same error as in Mitsuba and Cycles; more with --help";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -60,10 +62,12 @@ fn test() -> Result<(), String> {
     documentation()
 }
 
-/// Hands over to what measures: `--peers` compares whole renders, anything else is for the crate `firstlight-bench`.
+/// Hands over to what measures: `--peers` compares whole renders, `--race` how soon renderers come to the same error, anything
+/// else is for the crate `firstlight-bench`.
 fn bench(arguments: &[String]) -> Result<(), String> {
     match arguments.split_first() {
-        Some((first, options)) if first == "--peers" => peers(options),
+        Some((first, options)) if first == "--peers" => script("run.py", options),
+        Some((first, options)) if first == "--race" => script("race.py", options),
         _ => {
             let program = ["run", "--release", "--quiet", "--package", "firstlight-bench", "--"];
             let usual = arguments.is_empty().then_some("kernels");
@@ -72,11 +76,12 @@ fn bench(arguments: &[String]) -> Result<(), String> {
     }
 }
 
-/// Times whole renders beside other renderers, by scripts, since most of those are Python packages.
-fn peers(options: &[String]) -> Result<(), String> {
+/// Times renders beside other renderers, by scripts, since most of those are Python packages.
+fn script(name: &str, options: &[String]) -> Result<(), String> {
     cargo(&["build", "--release", "--package", "firstlight-cli"])?;
-    let script = ["crates/bench/peers/run.py", "--firstlight", "target/release/firstlight"];
-    run(Command::new("python3").args(script).args(options))
+    let script = format!("crates/bench/peers/{name}");
+    let program = [script.as_str(), "--firstlight", "target/release/firstlight"];
+    run(Command::new("python3").args(program).args(options))
 }
 
 /// Builds the documentation; a broken link is an error.

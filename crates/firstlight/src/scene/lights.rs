@@ -3,7 +3,7 @@
 use super::Scene;
 use super::description::{
     Alpha, EnvironmentDescription, Material, Pattern, Pixels, Scattering, SceneDescription,
-    Surface, Texture, Wrap,
+    Surface, Texture,
 };
 use crate::bvh::{MeshPart, Part, World};
 use crate::color::Rgb;
@@ -16,7 +16,7 @@ use crate::shading::light::tree::LightTree;
 use crate::shading::light::{Light, RoundLight};
 use crate::shading::texture::{Role, texel};
 use crate::simd::Level;
-use glam::{DMat3, DVec4, Vec2, Vec3, Vec4, Vec4Swizzles};
+use glam::{DMat3, DVec4, Vec3, Vec4, Vec4Swizzles};
 use std::sync::Arc;
 
 /// The lights that the surfaces are.
@@ -78,12 +78,7 @@ pub(super) fn mean_emission(material: &Material, images: &[Arc<Pixels>]) -> f32 
 /// Mean linear RGBA of a picture.
 fn mean(pixels: &Pixels) -> Vec4 {
     let count = pixels.width as usize * pixels.height as usize;
-    let place = |i: usize| {
-        let (x, y) = (i % pixels.width as usize, i / pixels.width as usize);
-        Vec2::new(x as f32, y as f32)
-    };
-    let texels =
-        (0..count).map(|i| texel(pixels, place(i), [Wrap::Clamp; 2], Role::Color).as_dvec4());
+    let texels = (0..count).map(|i| texel(pixels, i, Role::Color).as_dvec4());
     (texels.sum::<DVec4>() / count as f64).as_vec4()
 }
 

@@ -145,23 +145,26 @@ pub(crate) fn look_up(
     role: Role,
 ) -> Vec4 {
     let place = Vec2::new(uv.x, 1.0 - uv.y) * Vec2::new(pixels.width as f32, pixels.height as f32);
+    let width = pixels.width as usize;
     match sampling {
-        Sampling::Nearest => texel(pixels, place.floor(), wrap, role),
+        Sampling::Nearest => {
+            let [column, row] = wrapped(pixels, place.floor(), wrap);
+            texel(pixels, row * width + column, role)
+        }
         Sampling::Bilinear => {
             let (corner, part) = ((place - 0.5).floor(), (place - 0.5) - (place - 0.5).floor());
-            let at = |x, y| texel(pixels, corner + Vec2::new(x, y), wrap, role);
-            let (upper, lower) =
-                (at(0.0, 0.0).lerp(at(1.0, 0.0), part.x), at(0.0, 1.0).lerp(at(1.0, 1.0), part.x));
-            upper.lerp(lower, part.y)
+            let [left, top] = wrapped(pixels, corner, wrap);
+            let [right, bottom] = wrapped(pixels, corner + 1.0, wrap);
+            let at = |row: usize, column: usize| texel(pixels, row * width + column, role);
+            let row = |row| at(row, left).lerp(at(row, right), part.x);
+            row(top).lerp(row(bottom), part.y)
         }
     }
 }
 
-/// The texel at whole-numbered `place`, wrapped into the picture.
-pub(crate) fn texel(pixels: &Pixels, place: Vec2, wrap: [Wrap; 2], role: Role) -> Vec4 {
-    let x = wrapped(place.x, pixels.width, wrap[0]);
-    let y = wrapped(place.y, pixels.height, wrap[1]);
-    let index = y * pixels.width as usize + x;
+/// The texel with this number, counted row by row.
+#[inline(always)]
+pub(crate) fn texel(pixels: &Pixels, index: usize, role: Role) -> Vec4 {
     match &pixels.texels {
         Texels::Srgb8(texels) if role == Role::Data => {
             Vec4::from_array(texels[index].map(f32::from)) / 255.0
@@ -174,9 +177,18 @@ pub(crate) fn texel(pixels: &Pixels, place: Vec2, wrap: [Wrap; 2], role: Role) -
     }
 }
 
-fn wrapped(place: f32, size: u32, wrap: Wrap) -> usize {
+/// Column and row of a whole-numbered place, wrapped into the picture.
+#[inline(always)]
+fn wrapped(pixels: &Pixels, place: Vec2, wrap: [Wrap; 2]) -> [usize; 2] {
+    [wrapped_one(place.x, pixels.width, wrap[0]), wrapped_one(place.y, pixels.height, wrap[1])]
+}
+
+#[inline(always)]
+fn wrapped_one(place: f32, size: u32, wrap: Wrap) -> usize {
     let (place, size) = (place as i64, i64::from(size));
     let index = match wrap {
+        // Most are; the division is saved.
+        _ if (0..size).contains(&place) => place,
         Wrap::Repeat => place.rem_euclid(size),
         Wrap::Clamp => place.clamp(0, size - 1),
         Wrap::Mirror => {
@@ -197,7 +209,7 @@ mod tests {
 
     #[test]
     fn wrap_modes_continue_a_picture_of_four() {
-        let row = |wrap| (-5..9).map(|i| wrapped(i as f32, 4, wrap)).collect::<Vec<_>>();
+        let row = |wrap| (-5..9).map(|i| wrapped_one(i as f32, 4, wrap)).collect::<Vec<_>>();
         assert_eq!(row(Wrap::Repeat), [3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0]);
         assert_eq!(row(Wrap::Clamp), [0, 0, 0, 0, 0, 0, 1, 2, 3, 3, 3, 3, 3, 3]);
         assert_eq!(row(Wrap::Mirror), [3, 3, 2, 1, 0, 0, 1, 2, 3, 3, 2, 1, 0, 0]);

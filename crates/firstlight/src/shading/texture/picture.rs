@@ -97,8 +97,10 @@ fn halved(pixels: &Pixels, role: Role) -> Pixels {
             let mut sum = Vec4::ZERO;
             for (dy, row) in (0_u32..).zip(rows).filter(|(_, part)| *part > 0.0) {
                 for (dx, &column) in (0_u32..).zip(columns).filter(|(_, part)| **part > 0.0) {
-                    let place = Vec2::new((left + dx) as f32, (top + dy) as f32);
-                    sum += row * column * texel(pixels, place, [Wrap::Clamp; 2], role);
+                    let [x, y] =
+                        [(left + dx).min(pixels.width - 1), (top + dy).min(pixels.height - 1)];
+                    let index = y as usize * pixels.width as usize + x as usize;
+                    sum += row * column * texel(pixels, index, role);
                 }
             }
             means.push(sum);

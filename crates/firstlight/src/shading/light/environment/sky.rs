@@ -100,9 +100,7 @@ fn horizontal(radiance: impl Fn(DVec3) -> DVec3) -> DVec3 {
 /// The table with a cell for each texel, as bright as the picture is there on average.
 fn of_picture(pixels: &Pixels, sampling: Sampling, aim: Aim) -> Option<DirectionTable> {
     let (width, height) = (pixels.width as usize, pixels.height as usize);
-    let place = |i: usize| Vec2::new((i % width) as f32, (i / width) as f32);
-    let brightness =
-        |i| luminance(texel(pixels, place(i), [Wrap::Clamp; 2], Role::Color).xyz()).max(0.0);
+    let brightness = |i| luminance(texel(pixels, i, Role::Color).xyz()).max(0.0);
     let brightness: Vec<f32> = (0..width * height).map(brightness).collect();
     // The mean of straight lines between the centres of three cells, over the cell in the middle.
     let [side, middle] = if sampling == Sampling::Bilinear { [0.125, 0.75] } else { [0.0, 1.0] };
