@@ -73,14 +73,17 @@ impl MeshPart {
     }
 
     /// A corner as the tree of this part has it: in the mesh's space if instanced, else in the world.
+    #[inline(always)]
     pub(crate) fn corner(&self, index: u32) -> Vec3 {
         let p = self.mesh.positions[index as usize];
         if self.stays { p } else { self.to_world.transform_point3(p.as_dvec3()).as_vec3() }
     }
 
     /// The corners of a triangle, as [`MeshPart::corner`].
+    #[inline(always)]
     pub(crate) fn corners(&self, triangle: u32) -> [Vec3; 3] {
-        self.mesh.triangles[triangle as usize].map(|index| self.corner(index))
+        let [a, b, c] = self.mesh.triangles[triangle as usize];
+        [self.corner(a), self.corner(b), self.corner(c)]
     }
 }
 

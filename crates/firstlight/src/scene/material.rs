@@ -92,6 +92,7 @@ impl Scene {
 
     /// The frame of a surface: its first axis is the direction of the facets' anisotropy, its third the normal, bent as
     /// the material wants it.
+    #[inline(always)]
     fn frame(&self, material: &Material, at: &SurfaceInteraction) -> Frame {
         let ground = at.shading_normal;
         let raised = material.bump.as_ref().map_or(ground, |map| self.raised_normal(map, at));

@@ -117,6 +117,7 @@ fn box_around(center: DVec3, half: DVec3) -> Bounds {
 impl ShapeSample {
     /// `None` if the density is no positive number, as at a point of the light itself or in its plane, or if the light
     /// is too thin to have a normal.
+    #[inline(always)]
     fn new(from: DVec3, position: DVec3, normal: DVec3, pdf: f64) -> Option<Self> {
         let to_light = position - from;
         let distance = to_light.length();

@@ -53,11 +53,13 @@ impl Corner {
     }
 
     /// The point with coordinates `place` along the edges.
+    #[inline(always)]
     fn at(&self, place: DVec2) -> DVec3 {
         self.position + place.x * self.edges[0] + place.y * self.edges[1]
     }
 
     /// Where the plane is met in `direction` from `from`: coordinates along the edges.
+    #[inline(always)]
     fn on_plane(&self, from: DVec3, direction: DVec3) -> DVec2 {
         let corner = self.position - from;
         let met = direction * (self.normal.dot(corner) / self.normal.dot(direction)) - corner;
@@ -65,6 +67,7 @@ impl Corner {
     }
 
     /// The point of these coordinates along the edges.
+    #[inline(always)]
     fn sample(&self, from: DVec3, place: DVec2, pdf: f64) -> Option<ShapeSample> {
         ShapeSample::new(from, self.at(place), self.normal, pdf)
     }
@@ -74,11 +77,13 @@ impl Corner {
     }
 
     /// Whether all points look nearly alike from there.
+    #[inline(always)]
     fn is_far(&self, from: DVec3) -> bool {
         from.distance_squared(self.position) > self.afar
     }
 
     /// Density of the direction from `from` to `position`, sr⁻¹, where points of `area` m² are picked evenly.
+    #[inline(always)]
     fn even_pdf(&self, from: DVec3, position: DVec3, area: f64) -> f64 {
         let to_light = position - from;
         let distance2 = to_light.length_squared();
