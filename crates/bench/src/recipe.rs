@@ -141,6 +141,7 @@ pub(crate) fn description(mesh: Mesh) -> SceneDescription {
             shape: Shape::Mesh(0),
             material: 0,
             transform: DAffine3::IDENTITY,
+            motion: None,
         }],
         cameras: vec![CameraDescription {
             name: "unused".into(),
@@ -148,6 +149,8 @@ pub(crate) fn description(mesh: Mesh) -> SceneDescription {
             target: DVec3::X,
             up: DVec3::Z,
             projection: Projection::Perspective { vertical_fov: 1.0 },
+            shutter: CameraDescription::OPEN,
+            motion: None,
         }],
         ..SceneDescription::default()
     }

@@ -2,8 +2,8 @@
 
 use crate::geometry::{Cone, Ray};
 use crate::math::{BLOCK, Columns, tangents};
-use crate::scene::description::{CameraDescription, Projection};
-use glam::{DVec3, Vec2, Vec3};
+use crate::scene::description::{CameraDescription, CameraPose, Projection};
+use glam::{DMat3, DQuat, DVec3, Vec2, Vec3};
 use std::f32::consts::TAU;
 
 /// A camera with its film: turns points of the picture into rays.
@@ -22,6 +22,18 @@ pub struct Camera {
     pixel_right: Vec3,
     pixel_down: Vec3,
     lens: Lens,
+    /// When the shutter opens, and for how long, as parts of the scene's time.
+    opens: f32,
+    open_for: f32,
+    journey: Option<Journey>,
+}
+
+/// How a camera moves while the scene's time runs: straight on and evenly, and about one axis.
+#[derive(Debug, Clone, Copy)]
+struct Journey {
+    /// How far it has gone at the end, m, and how it has turned.
+    shift: DVec3,
+    turn: DQuat,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -34,16 +46,19 @@ enum Lens {
 impl Camera {
     /// The camera `description` for a picture of `width × height` pixels.
     pub fn new(description: &CameraDescription, width: u32, height: u32) -> Self {
-        let forward = (description.target - description.position).normalize_or(DVec3::Y);
-        let right = forward.cross(description.up).try_normalize();
-        let right = right.unwrap_or_else(|| tangents(forward).0);
-        let up = right.cross(forward);
+        let CameraDescription { position, target, up, shutter: [opens, closes], .. } = *description;
+        let first = axes(&CameraPose { position, target, up });
+        let [right, up, forward] = [first.x_axis, first.y_axis, first.z_axis];
+        let journey = description.motion.map(|last| Journey {
+            shift: last.position - position,
+            turn: DQuat::from_mat3(&(axes(&last) * first.transpose())),
+        });
         let (half_height, lens) = film_and_lens(&description.projection);
         let half_width = half_height * f64::from(width) / f64::from(height);
         Self {
             width,
             height,
-            position: description.position,
+            position,
             forward: forward.as_vec3(),
             right: right.as_vec3(),
             up: up.as_vec3(),
@@ -51,6 +66,9 @@ impl Camera {
             pixel_right: (right * (2.0 * half_width / f64::from(width))).as_vec3(),
             pixel_down: (-up * (2.0 * half_height / f64::from(height))).as_vec3(),
             lens,
+            opens: opens as f32,
+            open_for: (closes - opens) as f32,
+            journey,
         }
     }
 
@@ -65,23 +83,24 @@ impl Camera {
     }
 
     /// The lecture's `camera.getRay(ix, iy)`: through the centre of the pixel in column `ix`, row `iy` from the top,
-    /// and the centre of the lens.
+    /// and the centre of the lens, halfway between the shutter's opening and its closing.
     pub fn get_ray(&self, ix: u32, iy: u32) -> Ray {
-        self.ray(Vec2::new(ix as f32 + 0.5, iy as f32 + 0.5), Vec2::ZERO)
+        self.ray(Vec2::new(ix as f32 + 0.5, iy as f32 + 0.5), Vec2::ZERO, 0.5)
     }
 
     /// The ray through a point of the film, in pixels from its upper left corner, and a point of the lens: two
-    /// numbers in 0..1 that are spread evenly over its area.
+    /// numbers in 0..1 that are spread evenly over its area; `moment` in 0..1 between the shutter's opening and its closing.
     #[inline(always)]
-    pub fn ray(&self, film: Vec2, lens: Vec2) -> Ray {
+    pub fn ray(&self, film: Vec2, lens: Vec2, moment: f32) -> Ray {
         let (origin, toward) = self.aim(film, lens);
-        Ray::new(origin, toward.normalize())
+        let ray = Ray { time: self.time(moment), ..Ray::new(origin, toward.normalize()) };
+        if let Some(journey) = &self.journey { self.taken_along(journey, &ray) } else { ray }
     }
 
-    /// The rays through points of the film, and of the lens if that [matters](Camera::has_lens), as [`Camera::ray`] has
-    /// them; replaces what is in `rays`.
+    /// The rays through points of the film, of the lens if that [matters](Camera::has_lens), and at the first of pairs of
+    /// moments if [anything moves](crate::Scene::moves), as [`Camera::ray`] has them; replaces what is in `rays`.
     #[inline(always)]
-    pub(crate) fn rays(&self, film: &[Vec2], lens: &[Vec2], rays: &mut Vec<Ray>) {
+    pub(crate) fn rays(&self, film: &[Vec2], lens: &[Vec2], moments: &[Vec2], rays: &mut Vec<Ray>) {
         rays.clear();
         let mut toward = Columns::<f32>::default();
         for (block, film) in film.chunks(BLOCK).enumerate() {
@@ -99,9 +118,36 @@ impl Camera {
                 ray.direction = toward.get(k);
             }
         }
+        for (ray, moment) in rays.iter_mut().zip(moments) {
+            ray.time = self.time(moment.x);
+        }
+        if let Some(journey) = &self.journey {
+            rays.iter_mut().for_each(|ray| *ray = self.taken_along(journey, ray));
+        }
     }
 
-    /// Where the ray through a point of the film and one of the lens starts, and a direction of any length.
+    /// The part of the scene's time that has passed at a moment between the shutter's opening and its closing, 0..1.
+    #[inline(always)]
+    pub(crate) fn time(&self, moment: f32) -> f32 {
+        self.opens + moment * self.open_for
+    }
+
+    /// Whether it moves.
+    pub fn moves(&self) -> bool {
+        self.journey.is_some()
+    }
+
+    /// A ray that the camera would have sent out at time 0, from where it is at the ray's time.
+    fn taken_along(&self, journey: &Journey, ray: &Ray) -> Ray {
+        let turn = journey.turn_at(ray.time);
+        let origin = turn * (ray.origin.as_dvec3() - self.position)
+            + self.position
+            + f64::from(ray.time) * journey.shift;
+        let direction = (turn * ray.direction.as_dvec3()).normalize().as_vec3();
+        Ray { origin: origin.as_vec3(), direction, ..*ray }
+    }
+
+    /// Where the ray through a point of the film and one of the lens starts at time 0, and a direction of any length.
     #[inline(always)]
     fn aim(&self, film: Vec2, lens: Vec2) -> (Vec3, Vec3) {
         let across = self.corner + film.x * self.pixel_right + film.y * self.pixel_down;
@@ -119,11 +165,12 @@ impl Camera {
     /// A ray that leaves the camera near another one: so many pixels further to the right and down.
     #[inline(always)]
     pub(crate) fn beside(&self, ray: &Ray, by: Vec2) -> Ray {
-        let shift = by.x * self.pixel_right + by.y * self.pixel_down;
+        let turned = |v: Vec3| self.journey.map_or(v, |journey| journey.turned(v, ray.time));
+        let shift = turned(by.x * self.pixel_right + by.y * self.pixel_down);
         match self.lens {
             Lens::Parallel => Ray { origin: ray.origin + shift, ..*ray },
             Lens::Pinhole | Lens::Thin { .. } => {
-                let ahead = ray.direction.dot(self.forward).max(f32::MIN_POSITIVE);
+                let ahead = ray.direction.dot(turned(self.forward)).max(f32::MIN_POSITIVE);
                 Ray { direction: (ray.direction / ahead + shift).normalize(), ..*ray }
             }
         }
@@ -161,6 +208,25 @@ impl Camera {
         let (sin, cos) = (TAU * sample.y).sin_cos();
         sample.x.sqrt() * (cos * self.right + sin * self.up)
     }
+}
+
+impl Journey {
+    /// How the camera has turned at a time, 0..1.
+    fn turn_at(&self, time: f32) -> DQuat {
+        DQuat::IDENTITY.slerp(self.turn, time.into())
+    }
+
+    /// A vector that has turned with the camera.
+    fn turned(&self, v: Vec3, time: f32) -> Vec3 {
+        (self.turn_at(time) * v.as_dvec3()).as_vec3()
+    }
+}
+
+/// Unit vectors to the right, up and forward of a camera.
+fn axes(pose: &CameraPose) -> DMat3 {
+    let forward = (pose.target - pose.position).normalize_or(DVec3::Y);
+    let right = forward.cross(pose.up).try_normalize().unwrap_or_else(|| tangents(forward).0);
+    DMat3::from_cols(right, right.cross(forward), forward)
 }
 
 /// Half the height of the film in the plane at distance 1 (in metres, if orthographic), and the lens before it.

@@ -180,8 +180,8 @@ impl Maker<'_> {
             let share = (light.shape.area() / area / f64::from(each)) as f32;
             for index in 0..each {
                 let u = point(number, index);
-                if let Some(sample) = light.sample(self.middle, u) {
-                    let radiance = self.scene.emitted_by(light, &sample);
+                if let Some(sample) = light.sample(self.middle, u, None) {
+                    let radiance = self.scene.emitted_by(light, &sample, 0.0);
                     let ray = sample.shadow_ray(self.middle.as_vec3(), 0.0, light.error);
                     let irradiance = radiance / (sample.pdf * f64::from(each)) as f32;
                     let toward = sample.incoming.as_vec3();
@@ -216,8 +216,9 @@ impl Maker<'_> {
             DVec3::new(-1.0, 1.0, -1.0),
             DVec3::new(1.0, -1.0, -1.0),
         ];
-        let seen = corners.iter().find_map(|side| light.sample(0.5 * (lo + hi) + away * *side, u));
-        seen.map_or(Rgb::ZERO, |sample| self.scene.emitted_by(light, &sample))
+        let seen =
+            corners.iter().find_map(|side| light.sample(0.5 * (lo + hi) + away * *side, u, None));
+        seen.map_or(Rgb::ZERO, |sample| self.scene.emitted_by(light, &sample, 0.0))
     }
 }
 

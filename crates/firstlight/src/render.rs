@@ -4,7 +4,7 @@ use crate::color::luminance;
 use crate::film::{Film, FilterSampler, Half, Noise, Sample, Spread, Tile};
 use crate::geometry::Ray;
 use crate::image::Image;
-use crate::integrator::{FILM, Gatherer, LENS, RayCounts, Record, Recorder};
+use crate::integrator::{FILM, Gatherer, LENS, RayCounts, Record, Recorder, TIME};
 use crate::layers::{LightLayers, LightTile, Taken};
 use crate::sampler::{Pairs, PathPoints, Sampler};
 use crate::scene::Scene;
@@ -485,7 +485,8 @@ impl<R: Recorder> TilePass<'_, '_, R> {
     fn take(self) {
         let Self { render, tile, samples, half, worker, recorder } = self;
         let (camera, film) = (render.scene.camera(), render.scene.film());
-        let Worker { pixels, points, film_points, lens_points, rays, weights, lost, .. } = worker;
+        let Worker { pixels, points, film_points, lens_points, times, rays, weights, lost, .. } =
+            worker;
         pixels.clear();
         points.clear();
         for index in tile.order() {
@@ -500,6 +501,9 @@ impl<R: Recorder> TilePass<'_, '_, R> {
         if camera.has_lens() {
             level.run(Pairs { paths: points, number: LENS, pairs: lens_points });
         }
+        if render.scene.moves() {
+            level.run(Pairs { paths: points, number: TIME, pairs: times });
+        }
         weights.clear();
         let count = samples.len();
         for (film_points, pixels) in film_points.chunks_mut(count).zip(pixels.chunks(count)) {
@@ -510,7 +514,7 @@ impl<R: Recorder> TilePass<'_, '_, R> {
                 weights.push(weight);
             }
         }
-        camera.rays(film_points, lens_points, rays);
+        camera.rays(film_points, lens_points, times, rays);
         let samples =
             worker.gatherer.gather(render.scene, film.transparent, rays, points, recorder);
         lost.clear();
@@ -544,6 +548,8 @@ struct Worker {
     film_points: Vec<Vec2>,
     /// Where it crosses the lens if that matters, by its pair of numbers.
     lens_points: Vec<Vec2>,
+    /// When it is if anything moves, by the first of its pair of numbers.
+    times: Vec<Vec2>,
     /// Each path's first ray and its weight under the filter, 0 if its sample was dropped.
     rays: Vec<Ray>,
     weights: Vec<f32>,

@@ -216,6 +216,7 @@ mod tests {
                 direction: v(8 * i + 3),
                 t_min: 0.5 * i as f32,
                 t_max: -(i as f32),
+                time: 0.0,
             }
         };
         let rays: Vec<_> = (0..6).map(ray).collect();

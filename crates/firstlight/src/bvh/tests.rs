@@ -3,7 +3,7 @@
 use super::{BuildQuality, MeshPart, Part, World};
 use crate::geometry::{Hit, Ray};
 use crate::kernels::HitFilter;
-use crate::scene::description::Mesh;
+use crate::scene::description::{Mesh, Motion};
 use crate::simd::Level;
 use crate::testing::{Random, bumpy_sphere, icosphere};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
@@ -22,8 +22,28 @@ impl HitFilter for Everything {
 }
 
 fn world(mesh: &Arc<Mesh>, transforms: &[DAffine3], instanced: bool) -> World {
+    moving(mesh, transforms, instanced, vec![None; transforms.len()])
+}
+
+fn moving(
+    mesh: &Arc<Mesh>,
+    transforms: &[DAffine3],
+    instanced: bool,
+    motions: Vec<Option<Motion>>,
+) -> World {
     let part = |t: &DAffine3| Part::Mesh(MeshPart::new(Arc::clone(mesh), *t, instanced, 0));
-    World::build(transforms.iter().map(part).collect(), Level::detect(), BuildQuality::Final)
+    let parts = transforms.iter().map(part).collect();
+    World::build(parts, motions, Level::detect(), BuildQuality::Final)
+}
+
+fn motion(random: &mut Random) -> Motion {
+    Motion {
+        pivot: random.point(),
+        axis: random.direction(),
+        angle: 20.0 * (random.unit() - 0.5),
+        growth: 0.3 + random.unit(),
+        shift: random.point(),
+    }
 }
 
 fn closest(world: &World, rays: &[Ray]) -> Vec<Hit> {
@@ -98,6 +118,33 @@ fn finds_what_trying_every_triangle_finds() {
             }
         }
         assert!(found > 1000, "{found} hits");
+    }
+}
+
+/// Each ray meets things where they are at its time.
+#[test]
+fn what_moves_is_found_where_it_is() {
+    let (mesh, mut random) = (Arc::new(bumpy_sphere(12)), Random::new(8));
+    let transforms = [skewed(1), skewed(2), skewed(4)];
+    let motions = vec![Some(motion(&mut random)), None, Some(motion(&mut random))];
+    let mut world = moving(&mesh, &transforms, true, motions);
+    let mut rays = random_rays(3000, 3);
+    rays.iter_mut().for_each(|ray| ray.time = random.unit() as f32);
+    let (hits, mut occluded, mut found) = (closest(&world, &rays), Vec::new(), [0; 3]);
+    world.occluded(&rays, &Everything, &mut occluded);
+    for ((ray, hit), occluded) in rays.iter().zip(&hits).zip(occluded) {
+        let parts = (0..3).map(|surface| world.part(surface, ray.time).into_owned());
+        let expected = nearest_by_trying_all(&parts.collect::<Vec<_>>(), ray);
+        assert_eq!((hit.is_some(), occluded), (expected.is_finite(), expected.is_finite()));
+        if hit.is_some() {
+            found[hit.surface as usize] += 1;
+            assert!((f64::from(hit.t) - expected).abs() < 1e-6 * (4.0 + expected), "{hit:?}");
+        }
+    }
+    assert!(found.iter().all(|count| *count > 100), "{found:?}");
+    for level in Level::all() {
+        world = world.at_level(level);
+        assert_eq!(closest(&world, &rays), hits, "{level:?}");
     }
 }
 

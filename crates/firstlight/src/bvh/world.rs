@@ -5,10 +5,11 @@ use super::reference::{Item, Reference, Triangles};
 use super::wide;
 use crate::geometry::{Analytic, Bounds, DOUBLE_ERROR, Hit, Ray};
 use crate::kernels::{FLATTENED, HitFilter, Others, Search, Stack, Tree, search};
-use crate::scene::description::Mesh;
+use crate::scene::description::{Mesh, Motion};
 use crate::simd::{Level, Simd};
 use glam::{DAffine3, Vec3};
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -29,6 +30,8 @@ pub(crate) struct MeshPart {
     pub flags: u32,
     /// Whether the tree has the positions as they are in the mesh.
     stays: bool,
+    /// The largest absolute coordinate of the mesh in its own space.
+    reach: f64,
     error: f64,
 }
 
@@ -37,10 +40,7 @@ impl MeshPart {
     pub(crate) fn new(mesh: Arc<Mesh>, to_world: DAffine3, instanced: bool, flags: u32) -> Self {
         let stays = instanced || to_world == DAffine3::IDENTITY;
         let mirrored = !instanced && to_world.matrix3.determinant() < 0.0;
-        let reach = Bounds::around(mesh.positions.iter().copied()).reach();
-        let m = to_world.matrix3;
-        let stretch = (m.x_axis.abs() + m.y_axis.abs() + m.z_axis.abs()).max_element();
-        let magnitude = to_world.translation.abs().max_element() + stretch * f64::from(reach);
+        let reach = f64::from(Bounds::around(mesh.positions.iter().copied()).reach());
         Self {
             mesh,
             to_world,
@@ -49,7 +49,21 @@ impl MeshPart {
             instanced,
             flags,
             stays,
-            error: DOUBLE_ERROR * magnitude,
+            reach,
+            error: error(&to_world, reach),
+        }
+    }
+
+    /// The same, moved once more; it must be instanced.
+    fn moved(&self, by: &DAffine3) -> Self {
+        let to_world = *by * self.to_world;
+        let error = error(&to_world, self.reach);
+        Self {
+            mesh: Arc::clone(&self.mesh),
+            to_world,
+            to_object: to_world.inverse(),
+            error,
+            ..*self
         }
     }
 
@@ -73,6 +87,13 @@ impl MeshPart {
     }
 }
 
+/// How far positions may be off that `to_world` was applied to, m; they were at most `reach` from the origin.
+fn error(to_world: &DAffine3, reach: f64) -> f64 {
+    let m = to_world.matrix3;
+    let stretch = (m.x_axis.abs() + m.y_axis.abs() + m.z_axis.abs()).max_element();
+    DOUBLE_ERROR * (to_world.translation.abs().max_element() + stretch * reach)
+}
+
 /// The shape of one surface of the world.
 #[derive(Debug, Clone)]
 pub(crate) enum Part {
@@ -80,6 +101,26 @@ pub(crate) enum Part {
     Mesh(MeshPart),
     /// A formula, and the flags of its material.
     Analytic(Analytic, u32),
+}
+
+impl Part {
+    /// The same as something that can move: what is traced as triangles becomes a mesh with a tree of its own.
+    pub(crate) fn on_its_own(self) -> Self {
+        match self {
+            Self::Analytic(shape, flags) if shape.triangle_count() > 0 => {
+                let mesh = Arc::new(shape.mesh());
+                Self::Mesh(MeshPart::new(mesh, DAffine3::IDENTITY, true, flags))
+            }
+            other => other,
+        }
+    }
+
+    fn moved(&self, by: &DAffine3) -> Self {
+        match self {
+            Self::Mesh(part) => Self::Mesh(part.moved(by)),
+            Self::Analytic(shape, flags) => Self::Analytic(shape.moved(by), *flags),
+        }
+    }
 }
 
 /// All surfaces and their trees.
@@ -95,26 +136,64 @@ pub(crate) struct World {
     tree_of: Vec<Option<usize>>,
     /// Parts without end, which no tree can hold.
     endless: Vec<u32>,
+    /// For each part, how it moves; empty if none does.
+    motions: Vec<Option<Motion>>,
     level: Level,
 }
 
 impl World {
-    /// Builds the trees over `parts`; surfaces are numbered in this order.
-    pub(crate) fn build(parts: Vec<Part>, level: Level, quality: BuildQuality) -> Self {
+    /// Builds the trees over `parts`, which move as `motions` say, one for each; surfaces are numbered in this order.
+    /// What moves is [on its own](Part::on_its_own).
+    pub(crate) fn build(
+        parts: Vec<Part>,
+        mut motions: Vec<Option<Motion>>,
+        level: Level,
+        quality: BuildQuality,
+    ) -> Self {
         let (trees, tree_of) = instanced_trees(&parts, quality);
         let mut builder = TopBuilder::default();
-        for (surface, part) in parts.iter().enumerate() {
-            builder.add(surface as u32, part, tree_of[surface].map(|i: usize| &trees[i]));
+        for (surface, (part, motion)) in parts.iter().zip(&motions).enumerate() {
+            let tree = tree_of[surface].map(|i: usize| &trees[i]);
+            builder.add(surface as u32, part, tree, motion.as_ref());
+        }
+        if motions.iter().all(Option::is_none) {
+            motions.clear();
         }
         let triangles = FlattenedTriangles { parts: &parts, flattened: &builder.flattened };
         let top = wide::tree(builder.references, &triangles, quality);
         let flattened = builder.flattened;
-        Self { parts, top, flattened, trees, tree_of, endless: builder.endless, level }
+        Self { parts, top, flattened, trees, tree_of, endless: builder.endless, motions, level }
     }
 
-    /// All surfaces.
+    /// All surfaces, where they are at time 0.
     pub(crate) fn parts(&self) -> &[Part] {
         &self.parts
+    }
+
+    /// A surface where it is at a time, 0..1.
+    pub(crate) fn part(&self, surface: u32, time: f32) -> Cow<'_, Part> {
+        let part = &self.parts[surface as usize];
+        match self.moved(surface, time) {
+            Some(moved) => Cow::Owned(part.moved(&moved)),
+            None => Cow::Borrowed(part),
+        }
+    }
+
+    /// How a surface moves; `None`: it stands still.
+    #[inline(always)]
+    pub(crate) fn motion(&self, surface: u32) -> Option<&Motion> {
+        self.motions.get(surface as usize)?.as_ref()
+    }
+
+    /// Where a surface has moved to at a time, 0..1; `None`: it stands still.
+    #[inline(always)]
+    pub(crate) fn moved(&self, surface: u32, time: f32) -> Option<DAffine3> {
+        self.motion(surface).map(|motion| motion.at(time.into()))
+    }
+
+    /// Whether anything moves.
+    pub(crate) fn moves(&self) -> bool {
+        !self.motions.is_empty()
     }
 
     /// Bytes the trees take.
@@ -164,7 +243,26 @@ impl World {
 
     /// Meets an analytic surface. Returns whether `hit` was replaced.
     fn cross(&self, ray: &Ray, surface: u32, filter: &dyn HitFilter, hit: &mut Hit) -> bool {
-        let Part::Analytic(shape, flags) = &self.parts[surface as usize] else { return false };
+        match (&self.parts[surface as usize], self.motion(surface)) {
+            (Part::Mesh(_), _) => false,
+            (part, None) => self.cross_part(ray, surface, part, filter, hit),
+            _ => {
+                let part = self.part(surface, ray.time);
+                self.cross_part(ray, surface, &part, filter, hit)
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn cross_part(
+        &self,
+        ray: &Ray,
+        surface: u32,
+        part: &Part,
+        filter: &dyn HitFilter,
+        hit: &mut Hit,
+    ) -> bool {
+        let Part::Analytic(shape, flags) = part else { return false };
         for (t, primitive) in shape.crossings(ray) {
             let candidate = Hit { t: t as f32, u: 0.0, v: 0.0, surface, primitive };
             let in_range = candidate.t > ray.t_min && candidate.t <= ray.t_max;
@@ -230,7 +328,10 @@ impl Others for World {
     ) -> bool {
         match (&self.parts[surface as usize], self.tree_of[surface as usize]) {
             (Part::Mesh(part), Some(tree)) => {
-                let ray = into_object(search.ray, &part.to_object);
+                let ray = match self.motion(surface) {
+                    None => into_object(search.ray, &part.to_object),
+                    Some(motion) => into_moving(search.ray, motion, &part.to_object),
+                };
                 search.walk::<_, ANY>(&self.trees[tree], &ray, surface, &NoOthers, hit, stack)
             }
             _ => self.cross(search.ray, surface, search.filter, hit),
@@ -261,6 +362,12 @@ fn into_object(ray: &Ray, to_object: &DAffine3) -> Ray {
         direction: to_object.transform_vector3(ray.direction.as_dvec3()).as_vec3(),
         ..*ray
     }
+}
+
+/// The same if the instance moves.
+#[inline(never)]
+fn into_moving(ray: &Ray, motion: &Motion, to_object: &DAffine3) -> Ray {
+    into_object(ray, &(*to_object * motion.at(ray.time.into()).inverse()))
 }
 
 /// One tree per instanced mesh, and which part uses which.
@@ -326,7 +433,7 @@ struct TopBuilder {
 }
 
 impl TopBuilder {
-    fn add(&mut self, surface: u32, part: &Part, tree: Option<&Tree>) {
+    fn add(&mut self, surface: u32, part: &Part, tree: Option<&Tree>, motion: Option<&Motion>) {
         match (part, tree) {
             (Part::Mesh(part), None) => {
                 self.flattened.push((self.triangles, surface));
@@ -335,11 +442,11 @@ impl TopBuilder {
             }
             (Part::Mesh(part), Some(tree)) if !tree.bounds.is_empty() => {
                 let (lo, hi) = (tree.bounds.lo.as_dvec3(), tree.bounds.hi.as_dvec3());
-                self.other(surface, Bounds::of_mapped(lo, hi, &part.to_world));
+                self.other(surface, Bounds::of_moving(lo, hi, &part.to_world, motion));
             }
             (Part::Mesh(_), Some(_)) => {}
             (Part::Analytic(shape, _), _) => match (shape.triangle_count(), shape.bounds()) {
-                (0, Some(bounds)) => self.other(surface, bounds),
+                (0, Some(bounds)) => self.other(surface, bounds.moving(motion)),
                 (0, None) => self.endless.push(surface),
                 (count, _) => self.squares(surface, shape, count),
             },

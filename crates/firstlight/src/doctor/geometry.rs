@@ -94,8 +94,11 @@ impl Doctor<'_> {
     fn at_once(&self, seen: &[&Probe]) -> Vec<[u32; 2]> {
         let parts = (0..).zip(self.scene.world.parts());
         let analytic = parts.filter_map(|(number, part)| match part {
-            Part::Analytic(shape, _) => Some((number, shape)),
-            Part::Mesh(_) => None,
+            // What moves lies in others for a moment at most.
+            Part::Analytic(shape, _) if self.scene.world.motion(number).is_none() => {
+                Some((number, shape))
+            }
+            _ => None,
         });
         let mut pairs = Vec::new();
         for (number, shape) in analytic.take(FEW_SHAPES) {
@@ -268,7 +271,8 @@ fn duplicates(scene: &SceneDescription, count: usize) -> Option<Diagnostic> {
             Shape::Mesh(mesh) => mesh.to_string(),
             shape => format!("{shape:?}"),
         };
-        known.insert((bits, shape), &surface.name).map(|first| (surface, first))
+        let motion = surface.motion.map(|motion| format!("{motion:?}"));
+        known.insert((bits, shape, motion), &surface.name).map(|first| (surface, first))
     });
     let (surface, first) = twice.next()?;
     let more = match twice.count() {

@@ -75,6 +75,7 @@ pub const CODES: &[(&str, &str)] = &[
     ("surfaces-coincide", "two surfaces lie in each other"),
     ("texture-curve", "numbers were encoded or decoded like colours"),
     ("texture-flat", "a picture has one colour"),
+    ("texture-missing", "a model names a picture that cannot be used"),
     ("texture-role", "one picture is read as colours and as numbers"),
     ("texture-uvs", "a picture has no texture coordinates to lie on"),
     ("triangles-degenerate", "many triangles have no area"),
@@ -151,7 +152,8 @@ impl<'a> Doctor<'a> {
     }
 }
 
-/// A box around each surface: around the corners of its mesh's own box, so that copies cost next to nothing.
+/// A box around each surface, wherever it comes to: around the corners of its mesh's own box, so that copies cost next to
+/// nothing.
 fn boxes(description: &SceneDescription, scene: &Scene) -> Vec<Option<[DVec3; 2]>> {
     let around = |mesh: &Arc<Mesh>| Bounds::around(mesh.positions.iter().copied());
     let meshes: Vec<Bounds> = description.meshes.iter().map(around).collect();
@@ -161,8 +163,9 @@ fn boxes(description: &SceneDescription, scene: &Scene) -> Vec<Option<[DVec3; 2]
                 .filter(|bounds| !bounds.is_empty())
                 .map(|b| Bounds::of_mapped(b.lo.as_dvec3(), b.hi.as_dvec3(), &surface.transform)),
             (_, Part::Analytic(shape, _)) => shape.bounds(),
-            (_, Part::Mesh(_)) => None,
+            (_, Part::Mesh(part)) => Some(Bounds::around(part.mesh.positions.iter().copied())),
         };
+        let bounds = bounds.map(|bounds| bounds.moving(surface.motion.as_ref()));
         bounds.map(|bounds| [bounds.lo.as_dvec3(), bounds.hi.as_dvec3()])
     };
     description.surfaces.iter().zip(scene.world.parts()).map(of).collect()

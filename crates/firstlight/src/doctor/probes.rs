@@ -8,7 +8,7 @@ use crate::scene::{Meets, Scene, SeenByCamera};
 use crate::shading::interaction::SurfaceInteraction;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
-/// Rays of the camera.
+/// Rays of the camera, in the middle of the time that its shutter is open.
 const RAYS: u32 = 512;
 /// Reflections by which light is looked for, at most.
 const REFLECTIONS: u32 = 4;
@@ -97,7 +97,8 @@ fn rays(scene: &Scene) -> Vec<Probe> {
     let camera = scene.camera();
     let size = Vec2::new(camera.width() as f32, camera.height() as f32);
     let films: Vec<Vec2> = (0..RAYS).map(Sampler::unscrambled).collect();
-    let rays: Vec<Ray> = films.iter().map(|film| camera.ray(*film * size, Vec2::ZERO)).collect();
+    let rays: Vec<Ray> =
+        films.iter().map(|film| camera.ray(*film * size, Vec2::ZERO, 0.5)).collect();
     let (mut hits, mut first) = (Vec::new(), Vec::new());
     scene.world.closest_hits(&rays, &SeenByCamera(scene, 0), &mut hits);
     scene.world.closest_hits(&rays, &Meets(scene, 0), &mut first);
@@ -135,13 +136,13 @@ fn passes_light(scene: &Scene, material: &Material) -> bool {
 fn onward(scene: &Scene, (arrived, from): &(Ray, Witness), number: u64) -> Ray {
     let chance = hash(number ^ hash(u64::from(arrived.origin.x.to_bits())));
     if from.passes_light && chance.is_multiple_of(2) {
-        return Ray::new(from.behind, arrived.direction);
+        return Ray { origin: from.behind, ..*arrived };
     }
     let material = &scene.materials[scene.material_of[from.surface as usize] as usize];
     let mirrored = arrived.direction.reflect(from.normal);
     let mirrors = material.shows_its_surroundings() && chance >> 1 & 1 == 0;
     let direction = if mirrors { mirrored } else { diffuse(from.normal, chance) };
-    Ray::new(from.start, direction)
+    Ray { time: arrived.time, ..Ray::new(from.start, direction) }
 }
 
 /// A unit direction over a surface, by the cosine.

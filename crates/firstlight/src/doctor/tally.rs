@@ -121,7 +121,7 @@ impl Doctor<'_> {
         let light = parts[(chance % parts.len() as u64) as usize];
         let unit = |bits: u64| (bits & 0xFFFF) as f64 / 65_536.0;
         let u = DVec2::new(unit(chance >> 16), unit(chance >> 32));
-        let Some(sample) = light.sample(witness.position, u) else { return Answer::Outside };
+        let Some(sample) = light.sample(witness.position, u, None) else { return Answer::Outside };
         let cos = sample.incoming.as_vec3().dot(witness.normal);
         match () {
             () if cos > 0.0 => Answer::Ray(sample.shadow_ray(witness.start, 0.0, light.error)),

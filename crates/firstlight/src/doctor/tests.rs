@@ -658,6 +658,51 @@ fn lengths_in_another_unit() {
     told_apart("size-mixed", &["model \"table\"", "same unit"], &models(1000.0), &models(2.0));
 }
 
+/// The codes of what is said about a scene with a model.
+fn codes_of_model(file: &Path) -> Vec<&'static str> {
+    let text = format!("{SCENE}\n[models.it]\nfile = '{}'", file.display());
+    let (access, mut warnings) = (FileAccess::beside(file, &[]), Warnings::new());
+    scene_file::read(&text, "scene.toml", &[], &access, &mut warnings).unwrap();
+    warnings.iter().map(|warning| warning.code).collect()
+}
+
+/// Models are shown without pictures that they name and that are not there.
+#[test]
+fn pictures_that_are_missing_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name);
+    let pixel = image::RgbaImage::from_pixel(1, 1, image::Rgba([9, 9, 9, 255]));
+    pixel.save(file("there.png")).unwrap();
+    std::fs::write(
+        file("corners.bin"),
+        [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].map(f32::to_le_bytes).as_flattened(),
+    )
+    .unwrap();
+    for (picture, codes) in
+        [("gone.png", vec!["texture-missing", "texture-missing"]), ("there.png", vec![])]
+    {
+        std::fs::write(file("it.mtl"), format!("newmtl a\nKd 1 1 1\nmap_Kd {picture}\n")).unwrap();
+        let corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n";
+        let obj = format!("mtllib it.mtl\n{corners}usemtl a\nf 1/1 2/2 3/3\n");
+        std::fs::write(file("it.obj"), obj).unwrap();
+        let gltf = serde_json::json!({
+            "asset": { "version": "2.0" },
+            "buffers": [{ "uri": "corners.bin", "byteLength": 36 }],
+            "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
+            "accessors": [{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3" }],
+            "images": [{ "uri": picture }],
+            "textures": [{ "source": 0 }],
+            "materials": [{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }],
+            "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "material": 0 }] }],
+            "nodes": [{ "mesh": 0 }],
+        });
+        std::fs::write(file("it.gltf"), gltf.to_string()).unwrap();
+        let found: Vec<_> = ["it.obj", "it.gltf"].map(|name| codes_of_model(&file(name))).concat();
+        let found: Vec<_> = found.into_iter().filter(|code| !code.is_empty()).collect();
+        assert_eq!(found, codes, "{picture}");
+    }
+}
+
 /// No finding without a scene that has it: each code is in a test above.
 #[test]
 fn every_code_is_tested() {

@@ -336,7 +336,8 @@ impl Board<'_> {
     /// The direction of a part of an emitting surface that shines to a place; `None` if none does.
     fn toward(&self, surface: u32, place: Vec3) -> Option<Vec3> {
         let mut parts = self.scene.area_lights.iter().filter(|light| light.surface == surface);
-        let sample = parts.find_map(|light| light.sample(place.as_dvec3(), DVec2::splat(0.5)))?;
+        let sample =
+            parts.find_map(|light| light.sample(place.as_dvec3(), DVec2::splat(0.5), None))?;
         Some(sample.incoming.as_vec3())
     }
 

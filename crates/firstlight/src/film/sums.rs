@@ -90,8 +90,8 @@ impl<const M: usize> Split<M> {
     #[inline(always)]
     pub(crate) fn of(values: &[f32; M]) -> Self {
         let mut split = Self { high: [0; M], low: [0; M], tops: [0; M] };
-        for i in 0..M {
-            (split.tops[i], split.high[i], split.low[i]) = split_one(values[i]);
+        for (i, &value) in values.iter().enumerate() {
+            (split.tops[i], split.high[i], split.low[i]) = split_one(value);
         }
         split
     }

@@ -7,7 +7,7 @@
 
 use super::{Bounds, DOUBLE_ERROR, Ray};
 use crate::math::tangents;
-use crate::scene::description::{Block, Cone, Cylinder, Disk, Plane, Quad, Sphere};
+use crate::scene::description::{Block, Cone, Cylinder, Disk, Mesh, Plane, Quad, Sphere};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
 use std::f64::consts::TAU;
 
@@ -228,6 +228,25 @@ impl Analytic {
         };
         let [x, y, z] = DVec3::AXES.map(growth);
         [DVec3::new(x.x, y.x, z.x), DVec3::new(x.y, y.y, z.y)].map(|g| g.as_vec3())
+    }
+
+    /// The same, moved once more.
+    pub(crate) fn moved(&self, by: &DAffine3) -> Self {
+        Self::new(self.kind, self.to_world, by)
+    }
+
+    /// The squares that it is made of as a mesh in the world; empty if it is made of others.
+    pub(crate) fn mesh(&self) -> Mesh {
+        let mut mesh = Mesh { uvs: vec![Vec::new()], ..Mesh::default() };
+        for number in 0..self.triangle_count() {
+            for corner in self.triangle(number) {
+                let local = self.to_object.transform_point3(corner.as_dvec3());
+                mesh.positions.push(corner);
+                mesh.uvs[0].push(self.kind.point(local, number / 2).2.as_vec2());
+            }
+            mesh.triangles.push([0, 1, 2].map(|corner| 3 * number + corner));
+        }
+        mesh
     }
 
     /// How many triangles it can be traced as: two for each square it is made of, none if it is made of others.

@@ -15,12 +15,14 @@ pub struct Ray {
     pub t_min: f32,
     /// End of the range, inclusive.
     pub t_max: f32,
+    /// When, as a part of the scene's time, 0..1: where things are that move.
+    pub time: f32,
 }
 
 impl Ray {
-    /// The ray from `origin` in the unit direction `direction` without end.
+    /// The ray from `origin` in the unit direction `direction` without end, at time 0.
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
-        Self { origin, direction, t_min: 0.0, t_max: f32::INFINITY }
+        Self { origin, direction, t_min: 0.0, t_max: f32::INFINITY, time: 0.0 }
     }
 
     /// The point at `t`, as rounded as the lecture's blunder needs it.

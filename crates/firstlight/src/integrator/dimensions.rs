@@ -1,9 +1,19 @@
 //! Which pair of sample dimensions decides what. Pairs are never shared, so that no decision knows of another.
 
+use crate::sampler::PathPoints;
+use crate::scene::Scene;
+
 /// The place around the pixel's centre.
 pub(crate) const FILM: u32 = 0;
 /// The place on the lens.
 pub(crate) const LENS: u32 = 1;
+/// When it is, while the shutter is open.
+pub(crate) const TIME: u32 = 2;
+
+/// When the sample with these points is, see [`Ray::time`](crate::Ray::time); where nothing moves, at the beginning.
+pub(super) fn time(scene: &Scene, points: &PathPoints) -> f32 {
+    if scene.moves() { scene.camera().time(points.pair(TIME).x) } else { 0.0 }
+}
 
 /// The pairs of one reflection.
 #[derive(Debug, Clone, Copy)]

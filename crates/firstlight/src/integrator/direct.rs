@@ -205,7 +205,8 @@ impl<'a> Direct<'a> {
                 glossy.push(Glossy { frame, outgoing, lobes: first..lobes.len(), behind });
                 (scattered, Rgb::ZERO, glossy.len() as u32 - 1)
             };
-            let ambient = self.scene.ambient_reflectance(material, &surface).unwrap_or(scattered);
+            let ambient = self.scene.openness(material, &surface)
+                * self.scene.ambient_reflectance(material, &surface).unwrap_or(scattered);
             let emitted = self.scene.emitted(material, &surface, -rays[ray].direction);
             add(self.scene, samples, recorder, gain(Source::Surface(hit.surface), emitted, 0));
             add(

@@ -71,11 +71,11 @@ impl Media {
         self.interior(scene).map(Interior::medium).or(scene.medium)
     }
 
-    /// The solids around a point, m. They have to be known before they are left: what is met inside of them is seen through
-    /// them.
-    pub(super) fn around(scene: &Scene, point: Vec3) -> Self {
+    /// The solids around a point, m, at a time. They have to be known before they are left: what is met inside of them is seen
+    /// through them.
+    pub(super) fn around(scene: &Scene, point: Vec3, time: f32) -> Self {
         let (mut found, mut entered) = (Vec::new(), Self::default());
-        let mut ray = Ray::new(point, SOMEWHERE.normalize());
+        let mut ray = Ray { time, ..Ray::new(point, SOMEWHERE.normalize()) };
         let mut hits = Vec::new();
         for _ in 0..if scene.has_solids { MOST_AROUND } else { 0 } {
             scene.world.closest_hits(&[ray], &Everything, &mut hits);
@@ -88,7 +88,7 @@ impl Media {
                 Some(_) => found.push(material),
                 None => {}
             }
-            ray = Ray::new(at.behind(), ray.direction);
+            ray = Ray { origin: at.behind(), ..ray };
         }
         // The last to be left was the first to be entered.
         found.into_iter().rev().fold(Self::default(), Self::with)

@@ -1,5 +1,6 @@
 //! The light meter: single quantities with their error, through the stages of a render.
 
+use super::dimensions::time;
 use super::direct::{self, Direct};
 use super::gatherer::{Gatherer, Way, mean_radiance};
 use crate::color::Rgb;
@@ -75,7 +76,8 @@ impl<'a> Meter<'a> {
     pub fn radiance(&self, ray: &Ray) -> Measurement {
         let Way::Sum(_) = Way::of(self.scene, false) else {
             return self.follow(|points, gatherer| {
-                let rays = vec![*ray; points.len()];
+                let at = |points| Ray { time: time(self.scene, points), ..*ray };
+                let rays: Vec<_> = points.iter().map(at).collect();
                 mean_radiance(gatherer.gather_alone(self.scene, &rays, points))
             });
         };

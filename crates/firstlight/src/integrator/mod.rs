@@ -13,7 +13,7 @@ mod shadows;
 mod source;
 mod trace;
 
-pub(crate) use dimensions::{FILM, LENS};
+pub(crate) use dimensions::{FILM, LENS, TIME};
 pub use direct::RayCounts;
 pub(crate) use gatherer::{Gatherer, Way};
 pub use meter::{Measurement, Meter};

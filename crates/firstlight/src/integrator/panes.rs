@@ -41,7 +41,7 @@ fn look_through(scene: &Scene, ray: &Ray, mut media: Media, repetition: u32) -> 
             tint *= scene.straight(material, &at, -ray.direction);
         }
         let t_max = ray.t_max - (at.behind() - ray.origin).length();
-        ray = Ray { t_min: 0.0, t_max, ..Ray::new(at.behind(), ray.direction) };
+        ray = Ray { origin: at.behind(), t_min: 0.0, t_max, ..ray };
     }
     tint * left(scene, media, ray.t_max)
 }

@@ -17,7 +17,7 @@ pub(crate) use clarity::Clarity;
 pub(crate) use occlusion::Occlusion;
 
 use super::RayCounts;
-use super::dimensions::Bounce;
+use super::dimensions::{Bounce, time};
 use super::media::{Crossing, Media};
 use super::record::{Asked, Followed, Gain, Recorder, add};
 use super::shadows::ShadowRays;
@@ -159,6 +159,8 @@ struct Walk {
     channel: Option<u8>,
     /// The cone around the last ray.
     cone: Cone,
+    /// When all this is, see [`Ray::time`].
+    time: f32,
 }
 
 /// A point where a path is scattered.
@@ -174,6 +176,8 @@ struct Vertex {
     lobes: Range<u32>,
     /// The solids on the other side.
     beyond: Media,
+    /// The part of ambient light that its surface's occlusion map lets come to it.
+    openness: f32,
 }
 
 /// What a light gives to a vertex: the lecture's f · cos θ · E.
@@ -219,11 +223,12 @@ impl<'a> Path<'a> {
         let mut around = None;
         for (sample, ray) in (0..).zip(rays) {
             // Most cameras have all rays from one point.
-            let known = around.filter(|(origin, _)| *origin == ray.origin);
+            let (origin, time) = (ray.origin, ray.time);
+            let known = around.filter(|(known, _)| *known == (origin, time));
             let known =
-                known.unwrap_or_else(|| (ray.origin, Media::around(self.scene, ray.origin)));
+                known.unwrap_or_else(|| ((origin, time), Media::around(self.scene, origin, time)));
             around = Some(known);
-            let eye = Walk::from_eye(sample);
+            let eye = Walk::from_eye(sample, time);
             scratch.walks.push(Walk { media: known.1, cone: self.scene.cone, ..eye });
         }
         let filter = SeenByCamera(self.scene, 0);
@@ -239,28 +244,35 @@ impl<'a> Path<'a> {
         points: &[PathPoints],
         scratch: &mut Scratch,
     ) {
-        self.stand(position, normal, points.len(), scratch);
+        self.stand(position, normal, points, scratch);
         scratch.samples.iter_mut().for_each(|sample| sample.radiance = PI * self.scene.ambient);
         if self.bounces > 0 {
             self.follow(points, scratch, &mut ());
         }
     }
 
-    /// Begins `count` paths at `position` on a surface that faces `normal` and reflects π times the light.
-    fn stand(&self, position: DVec3, normal: Vec3, count: usize, scratch: &mut Scratch) {
+    /// Begins a path for each of `points` at `position` on a surface that faces `normal` and reflects π times the light.
+    fn stand(&self, position: DVec3, normal: Vec3, points: &[PathPoints], scratch: &mut Scratch) {
         let position = position.as_vec3();
         let start = position + clearance(normal, position.abs(), 0.0) * normal;
-        scratch.begin(count);
-        let media = Media::around(self.scene, start);
+        scratch.begin(points.len());
         scratch.lobes.push(Lobe::new(Kind::Lambert, Rgb::splat(PI)));
-        scratch.vertices.extend((0..count as u32).map(|sample| Vertex {
-            walk: Walk { sharp_only: false, media, ..Walk::from_eye(sample) },
-            position,
-            starts: [start; 2],
-            frame: Frame::around(normal),
-            outgoing: normal,
-            lobes: 0..1,
-            beyond: media,
+        let mut around = None;
+        scratch.vertices.extend((0..).zip(points).map(|(sample, points)| {
+            let time = time(self.scene, points);
+            let known = around.filter(|(known, _)| *known == time);
+            let (_, media) = *around
+                .insert(known.unwrap_or_else(|| (time, Media::around(self.scene, start, time))));
+            Vertex {
+                walk: Walk { sharp_only: false, media, ..Walk::from_eye(sample, time) },
+                position,
+                starts: [start; 2],
+                frame: Frame::around(normal),
+                outgoing: normal,
+                lobes: 0..1,
+                beyond: media,
+                openness: 1.0,
+            }
         }));
     }
 
@@ -333,6 +345,7 @@ impl<'a> Path<'a> {
             let material = self.scene.material(hit);
             let (outgoing, first) = (-ray.direction, lobes.len() as u32);
             let boundary = crossing.and_then(|crossing| crossing.boundary);
+            let openness = self.scene.openness(material, &surface);
             let frame = if crossing.is_some() && boundary.is_none() {
                 lobes.push(Lobe::new(Kind::Straight, Rgb::ONE));
                 Frame::around(surface.shading_normal)
@@ -353,8 +366,8 @@ impl<'a> Path<'a> {
                 if self.scene.ambient != Rgb::ZERO && !on {
                     let reflected = self.scene.ambient_reflectance(material, &surface);
                     let reflected = reflected.unwrap_or(scattered);
-                    let gain =
-                        walk.reflected(bounce, Source::Ambient, reflected * self.scene.ambient);
+                    let ambient = openness * reflected * self.scene.ambient;
+                    let gain = walk.reflected(bounce, Source::Ambient, ambient);
                     add(self.scene, samples, recorder, gain);
                 }
                 frame
@@ -362,7 +375,8 @@ impl<'a> Path<'a> {
             let lobes = first..lobes.len() as u32;
             if !lobes.is_empty() {
                 let beyond = crossing.map_or(walk.media, |crossing| crossing.beyond);
-                vertices.push(Vertex { beyond, ..Vertex::new(walk, ray, &surface, frame, lobes) });
+                let vertex = Vertex::new(walk, ray, &surface, frame, lobes);
+                vertices.push(Vertex { beyond, openness, ..vertex });
             }
         }
     }
@@ -398,7 +412,8 @@ impl<'a> Path<'a> {
         let found = self.scene.area_lights.find(index, primitive);
         let Some(number) = found.filter(|_| walk.pdf.is_finite()) else { return 1.0 };
         let light = self.scene.area_lights.get(number);
-        let pdf = light.shape.pdf(walk.from.as_dvec3(), surface.position.as_dvec3());
+        let moved = self.scene.world.moved(index, walk.time);
+        let pdf = light.pdf(walk.from.as_dvec3(), surface.position.as_dvec3(), moved);
         let chance = match self.asks_all(walk.bounce) {
             true => 1.0,
             false => self.scene.local_lights.probability(walk.from, walk.normal, number),
@@ -463,7 +478,7 @@ impl<'a> Path<'a> {
                 let source = Source::Light(ambient.number);
                 let answer =
                     vertex.light_from_sky(lobes, source, ambient.reach, choice.x, direction)?;
-                Some(Answer { irradiance: ambient.radiance, ..answer })
+                Some(Answer { irradiance: vertex.openness * ambient.radiance, ..answer })
             });
         }
         if let Some((environment, _)) = &self.scene.environment {
@@ -539,10 +554,12 @@ impl<'a> Path<'a> {
         chance: f32,
         u: Vec2,
     ) -> Option<Answer> {
-        let sample = light.sample(vertex.starts[0].as_dvec3(), u.as_dvec2())?;
+        let time = vertex.walk.time;
+        let moved = self.scene.world.moved(light.surface, time);
+        let sample = light.sample(vertex.starts[0].as_dvec3(), u.as_dvec2(), moved)?;
         let incoming = sample.incoming.as_vec3();
         let (scattered, pdf, start) = vertex.scattered(lobes, incoming)?;
-        let irradiance = self.scene.emitted_by(light, &sample)
+        let irradiance = self.scene.emitted_by(light, &sample, time)
             / self.techniques.asked(chance * sample.pdf as f32, pdf);
         let ray = Some(sample.shadow_ray(start, 0.0, light.error));
         Some(Answer {
@@ -616,7 +633,7 @@ fn scatter(scene: &Scene, bounce: u32, points: &[PathPoints], scratch: &mut Scra
             continue;
         }
         let start = vertex.starts[usize::from(sample.through)];
-        rays.push(Ray::new(start, sample.incoming));
+        rays.push(Ray { time: walk.time, ..Ray::new(start, sample.incoming) });
         let throughput = throughput / survival;
         walks.push(Walk { throughput, sharp_only, media, ..*walk });
         if let Some(walk) = walks.last_mut().filter(|_| !sample.straight) {
@@ -662,7 +679,7 @@ impl Scratch {
 }
 
 impl Walk {
-    fn from_eye(sample: u32) -> Self {
+    fn from_eye(sample: u32, time: f32) -> Self {
         Self {
             sample,
             throughput: Rgb::ONE,
@@ -675,6 +692,7 @@ impl Walk {
             media: Media::default(),
             channel: None,
             cone: Cone::default(),
+            time,
         }
     }
 
@@ -753,7 +771,7 @@ impl Vertex {
     ) -> Self {
         let starts = [surface.ray_origin(), surface.behind()];
         let (position, outgoing, beyond) = (surface.position, -ray.direction, walk.media);
-        Self { walk, position, starts, frame, outgoing, lobes, beyond }
+        Self { walk, position, starts, frame, outgoing, lobes, beyond, openness: 1.0 }
     }
 
     /// At the end of `ray`, between the particles of a medium, with one lobe.
@@ -762,7 +780,8 @@ impl Vertex {
         // No surface straightens out what rounding adds up over hundreds of scatterings.
         let outgoing = -ray.direction.normalize();
         let (starts, frame, beyond) = ([position; 2], Frame::around(outgoing), walk.media);
-        Self { walk, position, starts, frame, outgoing, lobes: lobe..lobe + 1, beyond }
+        let (lobes, openness) = (lobe..lobe + 1, 1.0);
+        Self { walk, position, starts, frame, outgoing, lobes, beyond, openness }
     }
 
     /// The solids that light from `incoming` arrives through.
@@ -826,6 +845,7 @@ impl Answer {
     #[inline(always)]
     fn at(&self, vertex: &Vertex, bounce: u32) -> Asked {
         let Self { source, ray, incoming, scattered, irradiance } = *self;
+        let ray = ray.map(|ray| Ray { time: vertex.walk.time, ..ray });
         let gain = vertex.walk.reflected(bounce, source, scattered * irradiance);
         let (gain, passed) = (Gain { asked: true, ..gain }, Rgb::ONE);
         Asked { gain, ray, incoming, scattered, irradiance, passed }

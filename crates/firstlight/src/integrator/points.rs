@@ -154,6 +154,7 @@ impl Lit {
     #[inline(always)]
     pub(super) fn get(&self, k: usize, start: Vec3, t_min: f32) -> (LightSample, f32, Ray) {
         let (direction, t_max) = (self.direction.get(k), self.t_max[k]);
-        (self.received.get(k), self.cos[k], Ray { origin: start, direction, t_min, t_max })
+        let ray = Ray { t_min, t_max, ..Ray::new(start, direction) };
+        (self.received.get(k), self.cos[k], ray)
     }
 }

@@ -7,6 +7,9 @@ use crate::scene::description::{Pattern, Pixels, Sampling, Texels, Texture, UvTr
 use std::collections::HashMap;
 use std::sync::Arc;
 
+/// The doctor's code for pictures that cannot be used.
+pub(super) const MISSING: &str = "texture-missing";
+
 /// The pictures of one model.
 pub(super) struct Pictures<'a> {
     access: &'a FileAccess,
@@ -77,7 +80,8 @@ impl<'a> Pictures<'a> {
                     error.message
                 );
                 let help = Some("magenta and black squares stand in for it".into());
-                warnings.push(Diagnostic { message, place, help, ..Diagnostic::default() });
+                let code = MISSING;
+                warnings.push(Diagnostic { message, place, help, code });
                 None
             }
         };

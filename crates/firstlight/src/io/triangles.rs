@@ -238,7 +238,8 @@ pub(super) fn vertex_number(index: usize, name: &str) -> Result<u32> {
 pub(super) fn add_surface(scene: &mut SceneDescription, mesh: Mesh, material: usize) {
     let (name, shape) = (mesh.name.clone(), Shape::Mesh(scene.meshes.len()));
     scene.meshes.push(Arc::new(mesh));
-    scene.surfaces.push(Surface { name, shape, material, transform: DAffine3::IDENTITY });
+    let transform = DAffine3::IDENTITY;
+    scene.surfaces.push(Surface { name, shape, material, transform, motion: None });
 }
 
 /// Refuses a scene without surfaces.

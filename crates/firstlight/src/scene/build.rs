@@ -41,7 +41,8 @@ impl Scene {
         let near_ambient = near_ambient.into_iter().zip(near_numbers);
         let near_ambient = near_ambient.map(|(light, number)| NearAmbient { number, ..light });
         let ambient = description.lights.iter().filter_map(ambient).sum();
-        let world = World::build(parts(description), level, quality);
+        let motions = description.surfaces.iter().map(|surface| surface.motion).collect();
+        let world = World::build(parts(description), motions, level, quality);
         let material_of: Vec<_> = description.surfaces.iter().map(|s| s.material as u32).collect();
         let sky = description.environment.as_ref();
         let (light_numbers, lights) = numbered(description, |light| pointlike(light, &camera));
@@ -51,7 +52,8 @@ impl Scene {
         let mean = |material| mean_emission(material, &description.images);
         let mean_of: Vec<_> = description.materials.iter().map(mean).collect();
         let emission = |surface: u32| mean_of[material_of[surface as usize] as usize];
-        let local_lights = LocalLights::new(&lights, &round_lights, &area_lights, level, emission);
+        let local_lights =
+            LocalLights::new(&lights, &round_lights, &area_lights, level, emission, &world);
         Self {
             is_lecture: description.is_lecture(),
             local_lights,
@@ -178,7 +180,11 @@ fn parts(description: &SceneDescription) -> Vec<Part> {
         uses[mesh] > 1
             && uses[mesh] * description.meshes[mesh].triangles.len() > FLATTENED_TRIANGLES
     };
-    description.surfaces.iter().map(|surface| part(description, surface, &instanced)).collect()
+    let part = |surface: &Surface| {
+        let part = part(description, surface, &instanced);
+        if surface.motion.is_some() { part.on_its_own() } else { part }
+    };
+    description.surfaces.iter().map(part).collect()
 }
 
 pub(super) fn part(
@@ -191,7 +197,8 @@ pub(super) fn part(
     let analytic = match &surface.shape {
         Shape::Mesh(mesh) => {
             let triangles = Arc::clone(&description.meshes[*mesh]);
-            return Part::Mesh(MeshPart::new(triangles, *transform, instanced(*mesh), flags));
+            let instanced = surface.motion.is_some() || instanced(*mesh);
+            return Part::Mesh(MeshPart::new(triangles, *transform, instanced, flags));
         }
         Shape::Sphere(sphere) => Analytic::sphere(sphere, transform),
         Shape::Plane(plane) => Analytic::plane(plane, transform),

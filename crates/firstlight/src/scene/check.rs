@@ -66,13 +66,18 @@ impl SceneDescription {
             Shape::Mesh(mesh) => {
                 ensure(mesh < reaches.len(), place, "its mesh does not exist")?;
                 let half = DVec3::splat(reaches[mesh].into());
-                Bounds::of_mapped(-half, half, &surface.transform).reach()
+                Bounds::of_mapped(-half, half, &surface.transform)
             }
             _ => match super::build::part(self, surface, &|_| false) {
-                Part::Analytic(shape, _) => shape.bounds().map_or(0.0, Bounds::reach),
-                Part::Mesh(_) => 0.0,
+                Part::Analytic(shape, _) => shape.bounds().unwrap_or(Bounds::EMPTY),
+                Part::Mesh(_) => Bounds::EMPTY,
             },
         };
+        let sound = surface.motion.is_none_or(|motion| {
+            motion.growth > 0.0 && motion.at(1.0).is_finite() && motion.axis.is_normalized()
+        });
+        ensure(sound, place, "its motion is not finite, or shrinks it to nothing")?;
+        let end = if end.is_empty() { 0.0 } else { end.moving(surface.motion.as_ref()).reach() };
         ensure(end <= FURTHEST, place, "it reaches further than 1e15 m from the origin")
     }
 
@@ -138,7 +143,13 @@ mod tests {
         SceneDescription {
             materials: vec![Material::matte("only", Rgb::ONE)],
             meshes: vec![Arc::new(mesh)],
-            surfaces: vec![Surface { name: "it".into(), shape, material: 0, transform }],
+            surfaces: vec![Surface {
+                name: "it".into(),
+                shape,
+                material: 0,
+                transform,
+                motion: None,
+            }],
             ..SceneDescription::default()
         }
     }

@@ -55,6 +55,8 @@ mod tests {
             target: DVec3::Y,
             up: DVec3::Z,
             projection: Projection::Perspective { vertical_fov: 1.0 },
+            shutter: CameraDescription::OPEN,
+            motion: None,
         };
         SceneDescription {
             cameras: names.iter().map(camera).collect(),

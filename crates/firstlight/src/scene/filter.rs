@@ -81,7 +81,7 @@ impl Scene {
     /// Whether the surface is there at a hit, by the alpha of its material.
     fn is_there(&self, ray: &Ray, hit: &Hit, repetition: u32) -> bool {
         let material = self.material(hit);
-        let alpha = || self.evaluate(&material.reflectance, &self.interaction(ray, hit)).w;
+        let alpha = || self.alpha(material, &self.interaction(ray, hit));
         match material.alpha {
             Alpha::Opaque => true,
             Alpha::Mask { cutoff } => alpha() >= cutoff,

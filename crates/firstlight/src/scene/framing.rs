@@ -1,8 +1,10 @@
 //! A camera that shows everything.
 
-use super::description::{CameraDescription, Projection, SceneDescription, Shape};
+use super::description::{CameraDescription, Projection, SceneDescription, Shape, Surface};
 use crate::bvh::Part;
+use crate::geometry::Bounds;
 use glam::{DVec2, DVec3};
+use std::ops::Range;
 
 /// Vertical field of view of framing cameras, rad.
 const FIELD_OF_VIEW: f64 = 30.0 * std::f64::consts::PI / 180.0;
@@ -27,6 +29,8 @@ pub fn frame(scene: &SceneDescription, toward_camera: DVec3, up: DVec3) -> Camer
         target: position - back * (distance - extent.middle()).max(1e-3),
         up,
         projection: Projection::Perspective { vertical_fov: FIELD_OF_VIEW },
+        shutter: CameraDescription::OPEN,
+        motion: None,
     }
 }
 
@@ -80,6 +84,18 @@ pub fn bounds(scene: &SceneDescription) -> Option<[DVec3; 2]> {
     lower.cmple(upper).all().then_some([lower, upper])
 }
 
+/// The middle of the box around some surfaces, at time 0, m; of what has no end, where its own space has its origin.
+pub(crate) fn middle(scene: &SceneDescription, surfaces: Range<usize>) -> DVec3 {
+    let (mut lower, mut upper) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for surface in &scene.surfaces[surfaces.clone()] {
+        each_point_at_rest(scene, surface, &mut |p| {
+            (lower, upper) = (lower.min(p), upper.max(p));
+        });
+    }
+    let first = || scene.surfaces[surfaces].first().map(|surface| surface.transform.translation);
+    if lower.cmple(upper).all() { 0.5 * (lower + upper) } else { first().unwrap_or_default() }
+}
+
 /// The smallest coordinate along the unit vector `up` of every surface that has an end; 0 if there is none.
 pub(super) fn lowest(scene: &SceneDescription, up: DVec3) -> f64 {
     let mut lowest = f64::INFINITY;
@@ -94,20 +110,30 @@ pub(super) fn size(scene: &SceneDescription) -> f64 {
     (hi - lo).max_element().max(0.0)
 }
 
-/// Calls `visit` with points whose convex hull holds every surface that has an end.
+/// Calls `visit` with points whose convex hull holds every surface that has an end, wherever it comes to.
 fn each_point(scene: &SceneDescription, mut visit: impl FnMut(DVec3)) {
     for surface in &scene.surfaces {
-        if let Shape::Mesh(mesh) = surface.shape {
-            let mesh = &scene.meshes[mesh];
-            let used = mesh.triangles.iter().flatten().map(|&i| mesh.positions[i as usize]);
-            used.for_each(|p| visit(surface.transform.transform_point3(p.as_dvec3())));
-        } else if let Part::Analytic(shape, _) = super::build::part(scene, surface, &|_| false) {
-            let Some(bounds) = shape.bounds() else { continue };
-            let ends = [bounds.lo.as_dvec3(), bounds.hi.as_dvec3()];
-            for corner in 0..8_usize {
-                let pick = |axis: usize| ends[corner >> axis & 1][axis];
-                visit(DVec3::new(pick(0), pick(1), pick(2)));
-            }
+        if surface.motion.is_none() {
+            each_point_at_rest(scene, surface, &mut visit);
+            continue;
         }
+        let mut bounds = Bounds::EMPTY;
+        each_point_at_rest(scene, surface, &mut |p| {
+            bounds = bounds.union(Bounds::around([p.as_vec3()]));
+        });
+        if !bounds.is_empty() {
+            bounds.moving(surface.motion.as_ref()).corners().for_each(&mut visit);
+        }
+    }
+}
+
+/// Calls `visit` with points whose convex hull holds a surface at time 0, if it has an end.
+fn each_point_at_rest(scene: &SceneDescription, surface: &Surface, visit: &mut impl FnMut(DVec3)) {
+    if let Shape::Mesh(mesh) = surface.shape {
+        let mesh = &scene.meshes[mesh];
+        let used = mesh.triangles.iter().flatten().map(|&i| mesh.positions[i as usize]);
+        used.for_each(|p| visit(surface.transform.transform_point3(p.as_dvec3())));
+    } else if let Part::Analytic(shape, _) = super::build::part(scene, surface, &|_| false) {
+        shape.bounds().into_iter().flat_map(Bounds::corners).for_each(visit);
     }
 }

@@ -12,10 +12,15 @@ impl Scene {
     /// The point that `ray` hit.
     #[inline(always)]
     pub(crate) fn interaction(&self, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
-        match &self.world.parts()[hit.surface as usize] {
-            Part::Mesh(part) => on_mesh(part, ray, hit),
-            Part::Analytic(shape, _) => on_analytic(shape, ray, hit),
+        match self.world.motion(hit.surface) {
+            None => on_part(&self.world.parts()[hit.surface as usize], ray, hit),
+            Some(_) => self.moving_interaction(ray, hit),
         }
+    }
+
+    #[inline(never)]
+    fn moving_interaction(&self, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
+        on_part(&self.world.part(hit.surface, ray.time), ray, hit)
     }
 
     /// The material of what was hit.
@@ -57,7 +62,7 @@ impl Scene {
 
     /// How the texture coordinates of a set grow, in the world, m⁻¹; zero if unknown.
     pub(crate) fn gradients(&self, at: &SurfaceInteraction, uv_set: usize) -> [Vec3; 2] {
-        match &self.world.parts()[at.hit.surface as usize] {
+        match &*self.world.part(at.hit.surface, at.time) {
             Part::Mesh(part) => mesh_gradients(part, uv_set, &at.hit),
             Part::Analytic(shape, _) => shape.gradients(at.position.as_dvec3(), at.hit.primitive),
         }
@@ -65,7 +70,7 @@ impl Scene {
 
     /// The directions in which the texture coordinates of a set grow, in the world, of any length; zero if unknown.
     pub(crate) fn growing(&self, at: &SurfaceInteraction, uv_set: usize) -> [Vec3; 2] {
-        match &self.world.parts()[at.hit.surface as usize] {
+        match &*self.world.part(at.hit.surface, at.time) {
             Part::Mesh(part) => mesh_growing(part, uv_set, &at.hit),
             Part::Analytic(shape, _) => shape.growing(at.position.as_dvec3(), at.hit.primitive),
         }
@@ -75,6 +80,14 @@ impl Scene {
     pub(crate) fn is_back(&self, hit: &Hit, from_behind: bool) -> bool {
         let part = &self.world.parts()[hit.surface as usize];
         from_behind != matches!(part, Part::Mesh(MeshPart { mirrored: true, .. }))
+    }
+}
+
+#[inline(always)]
+fn on_part(part: &Part, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
+    match part {
+        Part::Mesh(part) => on_mesh(part, ray, hit),
+        Part::Analytic(shape, _) => on_analytic(shape, ray, hit),
     }
 }
 
@@ -95,6 +108,7 @@ fn on_analytic(shape: &Analytic, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
         uv: point.uv.as_vec2(),
         seen_width: 0.0,
         seen_along: ray.direction,
+        time: ray.time,
         color: [1.0; 4],
     }
 }
@@ -120,6 +134,7 @@ fn on_mesh(part: &MeshPart, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
         uv: mesh_uv(&part.mesh, 0, hit),
         seen_width: 0.0,
         seen_along: ray.direction,
+        time: ray.time,
         color: mesh_color(&part.mesh, hit),
     };
     if !part.mesh.normals.is_empty() {

@@ -115,12 +115,17 @@ impl LocalLights {
         area_lights: &AreaLights,
         level: Level,
         mean_emission: impl Fn(u32) -> f32,
+        world: &World,
     ) -> Self {
         let is_somewhere = |place: &u32| lights[*place as usize].bounds().is_some();
         let (points, elsewhere) = (0..lights.len() as u32).partition::<Vec<_>, _>(is_somewhere);
         let mut bounds: Vec<_> = lights.iter().filter_map(Light::bounds).collect();
         bounds.extend(round_lights.iter().map(RoundLight::bounds));
-        bounds.extend(area_lights.iter().map(|light| light.bounds(mean_emission(light.surface))));
+        bounds.extend(
+            area_lights.iter().map(|light| {
+                light.bounds(mean_emission(light.surface), world.motion(light.surface))
+            }),
+        );
         let round = round_lights.len() as u32;
         Self {
             points,
@@ -159,8 +164,8 @@ impl LocalLights {
 }
 
 impl SceneDescription {
-    /// Whether nothing shines but points and what is as good as a point, nothing mirrors, and the air is clear: what the
-    /// lecture has.
+    /// Whether nothing shines but points and what is as good as a point, nothing mirrors or moves, and the air is clear:
+    /// what the lecture has.
     pub(crate) fn is_lecture(&self) -> bool {
         let plain = |surface: &Surface| {
             let material = &self.materials[surface.material];
@@ -170,6 +175,7 @@ impl SceneDescription {
         self.environment.is_none()
             && self.medium.is_none()
             && !self.lights.iter().any(|light| light.has_extent() || light.is_near_ambient())
+            && !self.surfaces.iter().any(|surface| surface.motion.is_some())
             && self.surfaces.iter().all(plain)
     }
 
@@ -205,17 +211,17 @@ impl Scene {
             * self.evaluate(&material.emission, surface).xyz()
     }
 
-    /// Radiance that a light emits from a sampled point along `incoming` reversed, W·sr⁻¹·m⁻²; less where it is partly
-    /// transparent.
+    /// Radiance that a light emits from a sampled point along `incoming` reversed at a time, W·sr⁻¹·m⁻²; less where it is
+    /// partly transparent.
     #[inline(always)]
-    pub(crate) fn emitted_by(&self, light: &AreaLight, sample: &ShapeSample) -> Rgb {
+    pub(crate) fn emitted_by(&self, light: &AreaLight, sample: &ShapeSample, time: f32) -> Rgb {
         let material = &self.materials[self.material_of[light.surface as usize] as usize];
         let constant = material.emission.is_constant() && material.alpha == Alpha::Opaque;
         if constant && material.coat().is_none() {
             return Vec3::from_slice(&material.emission.factor);
         }
-        let surface = self.at_sample(light, sample);
-        let alpha = || self.evaluate(&material.reflectance, &surface).w;
+        let surface = self.at_sample(light, sample, time);
+        let alpha = || self.alpha(material, &surface);
         let there = match material.alpha {
             Alpha::Opaque => 1.0,
             Alpha::Mask { cutoff } => f32::from(alpha() >= cutoff),
@@ -225,17 +231,18 @@ impl Scene {
     }
 
     /// The sampled point as if a ray had met it.
-    fn at_sample(&self, light: &AreaLight, sample: &ShapeSample) -> SurfaceInteraction {
+    fn at_sample(&self, light: &AreaLight, sample: &ShapeSample, time: f32) -> SurfaceInteraction {
         let origin = (sample.position - sample.distance * sample.incoming).as_vec3();
-        let [u, v] = self.barycentrics(light, sample);
+        let [u, v] = self.barycentrics(light, sample, time);
         let AreaLight { surface, primitive, .. } = *light;
         let hit = Hit { t: sample.distance as f32, u, v, surface, primitive };
-        self.interaction(&Ray::new(origin, sample.incoming.as_vec3()), &hit)
+        self.interaction(&Ray { time, ..Ray::new(origin, sample.incoming.as_vec3()) }, &hit)
     }
 
     /// Weights of the second and third corner of a mesh's triangle at a sampled point.
-    fn barycentrics(&self, light: &AreaLight, sample: &ShapeSample) -> [f32; 2] {
-        let Part::Mesh(part) = &self.world.parts()[light.surface as usize] else { return [0.0; 2] };
+    fn barycentrics(&self, light: &AreaLight, sample: &ShapeSample, time: f32) -> [f32; 2] {
+        let part = self.world.part(light.surface, time);
+        let Part::Mesh(part) = &*part else { return [0.0; 2] };
         let local = match part.instanced {
             true => part.to_object.transform_point3(sample.position),
             false => sample.position,

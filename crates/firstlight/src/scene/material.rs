@@ -2,8 +2,8 @@
 
 use super::Scene;
 use super::description::{
-    BumpAmount, BumpMap, Facets, Material, NormalMap, Pattern, Principled, Scalar, Scattering,
-    Texture,
+    BumpAmount, BumpMap, Facets, Material, NormalMap, OcclusionMap, Pattern, Principled, Scalar,
+    Scattering, Texture,
 };
 use crate::color::Rgb;
 use crate::shading::bsdf::{
@@ -190,7 +190,26 @@ impl Scene {
         1.0 - self.number(coat, at) * VARNISH.at(at.shading_normal.dot(outgoing).abs()).x
     }
 
-    /// A number of a texture, 0..1.
+    /// The part of ambient light that an occlusion map lets come to a point, 0..1.
+    #[inline(always)]
+    pub(crate) fn openness(&self, material: &Material, at: &SurfaceInteraction) -> f32 {
+        let Some(OcclusionMap { open, strength }) = &material.occlusion else { return 1.0 };
+        1.0 + strength * (self.number(open, at) - 1.0)
+    }
+
+    /// The alpha of a material at a point.
+    pub(crate) fn alpha(&self, material: &Material, at: &SurfaceInteraction) -> f32 {
+        let opacity = material.opacity.as_ref().map_or(1.0, |opacity| self.number(opacity, at));
+        self.evaluate(&material.reflectance, at).w * opacity
+    }
+
+    /// The thickness of a thin film at a point, nm.
+    pub(crate) fn film_thickness(&self, p: &Principled, at: &SurfaceInteraction) -> f32 {
+        let [thin, thick] = p.iridescence_thickness_range;
+        thin + (thick - thin) * self.number(&p.iridescence_thickness, at)
+    }
+
+    /// A number of a texture at a point, 0..1.
     fn number(&self, scalar: &Scalar, at: &SurfaceInteraction) -> f32 {
         if scalar.texture.is_constant() {
             return scalar.meant(scalar.texture.factor[scalar.channel]);
@@ -217,7 +236,6 @@ impl Maker<'_> {
         self.scene.evaluate(texture, self.at).xyz()
     }
 
-    /// A number of a texture, 0..1.
     fn number(&self, scalar: &Scalar) -> f32 {
         self.scene.number(scalar, self.at)
     }
@@ -277,7 +295,6 @@ impl Maker<'_> {
     }
 
     fn principled(&self, p: &Principled, base_color: Rgb) -> PrincipledPoint {
-        let [thin, thick] = p.iridescence_thickness_range;
         PrincipledPoint {
             base_color,
             metallic: self.number(&p.metallic),
@@ -295,7 +312,7 @@ impl Maker<'_> {
             sheen_roughness: self.number(&p.sheen_roughness),
             iridescence: self.number(&p.iridescence),
             iridescence_ior: p.iridescence_ior,
-            iridescence_thickness: thin + (thick - thin) * self.number(&p.iridescence_thickness),
+            iridescence_thickness: self.scene.film_thickness(p, self.at),
             wall: match self.boundary {
                 Some(Boundary { eta, inside }) => Wall::Solid { eta, inside },
                 None => Wall::Thin,

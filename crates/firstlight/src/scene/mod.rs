@@ -14,6 +14,7 @@ mod values;
 
 pub(crate) use build::light_middle;
 pub(crate) use filter::{Everything, Meets, OnlyPanes, SeenByCamera, StopsLight};
+pub(crate) use framing::middle;
 pub use framing::{bounds, frame};
 pub(crate) use lights::{LocalLight, LocalLights};
 pub(crate) use material::Boundary;
@@ -101,6 +102,11 @@ impl Scene {
     /// Lumens per watt used to convert between photometric and radiometric units.
     pub fn luminous_efficacy(&self) -> LuminousEfficacy {
         self.luminous_efficacy
+    }
+
+    /// Whether anything moves, or the camera.
+    pub fn moves(&self) -> bool {
+        self.world.moves() || self.camera.moves()
     }
 
     /// Bytes that the trees over its surfaces take.

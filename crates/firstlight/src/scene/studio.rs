@@ -147,6 +147,7 @@ impl Studio {
             shape: Shape::Plane(Plane { point: height * self.up, normal: self.up }),
             material: scene.materials.len() - 1,
             transform: DAffine3::IDENTITY,
+            motion: None,
         });
     }
 }
@@ -161,7 +162,8 @@ mod tests {
         scene.materials.push(material);
         let shape = Shape::Sphere(Sphere { center: DVec3::ZERO, radius: 0.5 });
         let transform = DAffine3::IDENTITY;
-        scene.surfaces.push(Surface { name: "ball".into(), shape, material: 0, transform });
+        let name = "ball".into();
+        scene.surfaces.push(Surface { name, shape, material: 0, transform, motion: None });
         Studio { up, ..Studio::default() }.dress(&mut scene);
         scene
     }

@@ -87,6 +87,12 @@ impl Reader<'_> {
             }
             Scattering::Mix { amount, .. } => self.number("amount", amount),
         }
+        if let Some(map) = &material.occlusion {
+            self.number("occlusion", &map.open);
+        }
+        if let Some(opacity) = &material.opacity {
+            self.number("opacity", opacity);
+        }
         self.interior(material.interior.as_ref());
         if material.emission.factor[..3] != [0.0; 3] {
             self.color("emission", &material.emission);
@@ -109,6 +115,10 @@ impl Reader<'_> {
             ("iridescence", &p.iridescence),
         ];
         additions.into_iter().for_each(|(name, scalar)| self.addition(name, scalar));
+        if !p.iridescence.is(0.0) {
+            let thickness = self.scene.film_thickness(p, self.at);
+            self.values.push(("iridescence_thickness", vec![thickness]));
+        }
         if p.sheen_color.factor[..3] != [0.0; 3] {
             self.color("sheen_color", &p.sheen_color);
         }

@@ -27,6 +27,8 @@ pub(crate) struct SurfaceInteraction {
     pub seen_width: f32,
     /// Unit direction of the ray.
     pub seen_along: Vec3,
+    /// When it is seen, see [`Ray::time`](crate::Ray::time).
+    pub time: f32,
     /// Linear RGBA vertex colour, 1 if there is none.
     pub color: [f32; 4],
 }

@@ -248,7 +248,7 @@ fn hit_somewhere(
     let view = crate::scene::frame(description, random.direction(), random.direction());
     let camera = crate::camera::Camera::new(&view, 64, 64);
     let film = 64.0 * Vec2::new(random.unit() as f32, random.unit() as f32);
-    let (ray, mut hit) = (camera.ray(film, Vec2::ZERO), Vec::new());
+    let (ray, mut hit) = (camera.ray(film, Vec2::ZERO, 0.5), Vec::new());
     scene.closest_hits(&[ray], &mut hit);
     hit[0].is_some().then_some((ray, hit[0]))
 }

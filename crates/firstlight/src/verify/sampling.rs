@@ -85,7 +85,7 @@ fn s01(readings: &mut Readings) {
     let (vertical_fov, focus_distance) = (1.0, 1.0);
     let lens = Projection::ThinLens { vertical_fov, aperture: 2.0, focus_distance };
     let lens = Camera::new(&camera(DVec3::ZERO, DVec3::Y, lens), 1, 1);
-    let radius = |u| f64::from(lens.ray(Vec2::splat(0.5), u).origin.length());
+    let radius = |u| f64::from(lens.ray(Vec2::splat(0.5), u, 0.5).origin.length());
     moment(readings, "disk_r", 2.0 / 3.0, radius);
     let cone = Sun::new(DVec3::Z, PI / 6.0, Rgb::ONE);
     let middle = f64::midpoint(1.0, (PI / 6.0).cos());

@@ -68,7 +68,8 @@ pub fn add(scene: &mut SceneDescription, shape: Shape) {
 /// Adds a surface of any material.
 pub fn add_with(scene: &mut SceneDescription, shape: Shape, material: usize) {
     let transform = DAffine3::IDENTITY;
-    scene.surfaces.push(Surface { name: "surface".into(), shape, material, transform });
+    let name = "surface".into();
+    scene.surfaces.push(Surface { name, shape, material, transform, motion: None });
 }
 
 /// Adds a mesh of material 0.
@@ -129,7 +130,8 @@ pub fn under(sky: Sky, factor: f32) -> Option<EnvironmentDescription> {
 pub fn camera(position: DVec3, target: DVec3, projection: Projection) -> CameraDescription {
     let along_z = (target - position).normalize().z.abs() > 0.99;
     let up = if along_z { DVec3::Y } else { DVec3::Z };
-    CameraDescription { name: "camera".into(), position, target, up, projection }
+    let (shutter, motion) = (CameraDescription::OPEN, None);
+    CameraDescription { name: "camera".into(), position, target, up, projection, shutter, motion }
 }
 
 /// Radiance from `target` towards `origin`, by one sample.

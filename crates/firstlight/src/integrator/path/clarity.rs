@@ -81,8 +81,8 @@ impl<'a> Clarity<'a> {
         scratch.counts.camera += rays.len() as u64;
         scratch.rays.extend(rays.iter().map(|ray| self.kept(ray)));
         let cone = self.path.scene.cone;
-        let eyes = (0..rays.len() as u32).map(Walk::from_eye);
-        scratch.walks.extend(eyes.map(|eye| Walk { cone, ..eye }));
+        let walk = |(sample, ray): (u32, &Ray)| Walk { cone, ..Walk::from_eye(sample, ray.time) };
+        scratch.walks.extend((0..).zip(rays).map(walk));
         self.closest_hits(&scratch.rays, &mut scratch.hits);
         let inks = self.inks(&scratch.rays, &scratch.hits);
         self.shade(&inks, scratch, recorder);
@@ -98,7 +98,7 @@ impl<'a> Clarity<'a> {
         points: &[PathPoints],
         scratch: &mut Scratch,
     ) {
-        self.path.stand(position, normal, points.len(), scratch);
+        self.path.stand(position, normal, points, scratch);
         scratch.lobes[0].weight /= 1.0 - ALWAYS;
         self.look_for_sky(points, scratch, &mut ());
     }
@@ -224,7 +224,7 @@ impl<'a> Clarity<'a> {
             let shown = paper * (EDGE_ON + (1.0 - EDGE_ON) * facing) * color;
             add(scene, samples, recorder, walk.reflected(0, Source::Look, ALWAYS * shown));
             let (frame, lobe) = (Frame::around(at.shading_normal), lobes.len() as u32);
-            lobes.push(Lobe::new(Kind::Lambert, shown));
+            lobes.push(Lobe::new(Kind::Lambert, scene.openness(material, &at) * shown));
             vertices.push(Vertex::new(*walk, ray, &at, frame, lobe..lobe + 1));
         }
     }

@@ -49,7 +49,7 @@ impl<'a> Occlusion<'a> {
         points: &[PathPoints],
         scratch: &mut Scratch,
     ) {
-        self.path.stand(position, normal, points.len(), scratch);
+        self.path.stand(position, normal, points, scratch);
         self.ask_the_sky(points, scratch, &mut ());
     }
 

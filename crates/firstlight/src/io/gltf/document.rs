@@ -197,6 +197,7 @@ pub(super) struct Material {
     pub(super) emissive_factor: Option<[Real; 3]>,
     pub(super) emissive_texture: Option<Box<TextureInfo>>,
     pub(super) normal_texture: Option<Box<TextureInfo>>,
+    pub(super) occlusion_texture: Option<Box<TextureInfo>>,
     pub(super) alpha_mode: Option<String>,
     pub(super) alpha_cutoff: Option<Real>,
     pub(super) double_sided: bool,
@@ -329,6 +330,8 @@ pub(super) struct TextureInfo {
     pub(super) tex_coord: u32,
     /// Of normal textures.
     pub(super) scale: Option<Real>,
+    /// Of occlusion textures.
+    pub(super) strength: Option<Real>,
     #[serde(default)]
     pub(super) extensions: TextureInfoExtensions,
 }

@@ -9,8 +9,8 @@ use super::picture::Pictures;
 use crate::color::Rgb;
 use crate::diagnostic::Result;
 use crate::scene::description::{
-    Alpha, Facets, Interior, Material, NormalMap, Pattern, Pixels, Principled, Sampling, Scalar,
-    Scattering, Texture, UvTransform, Wrap,
+    Alpha, Facets, Interior, Material, NormalMap, OcclusionMap, Pattern, Pixels, Principled,
+    Sampling, Scalar, Scattering, Texture, UvTransform, Wrap,
 };
 use glam::{Affine2, Mat2, Vec2};
 use std::sync::Arc;
@@ -135,6 +135,7 @@ impl Reader<'_, '_, '_> {
                 true => None,
                 false => self.normal(material.normal_texture.as_deref(), "normalTexture")?,
             },
+            occlusion: if unlit { None } else { self.occlusion(material)? },
             interior: interior(extensions).filter(|_| scattering.lets_in()),
             alpha: self.alpha(material)?,
             double_sided: material.double_sided,
@@ -154,6 +155,16 @@ impl Reader<'_, '_, '_> {
         // A stand-in for a missing picture holds colours, not normals.
         let found = matches!(texture.pattern, Pattern::Image { .. });
         Ok(found.then_some(NormalMap { texture, scale }))
+    }
+
+    fn occlusion(&mut self, material: &document::Material) -> Result<Option<OcclusionMap>> {
+        let Some(info) = material.occlusion_texture.as_deref() else { return Ok(None) };
+        let texture = self.texture([1.0; 4], Some(info), "occlusionTexture")?;
+        let strength = info.strength.map_or(1.0, |strength| strength.0.clamp(0.0, 1.0));
+        // A stand-in for a missing picture holds colours.
+        let found = matches!(texture.pattern, Pattern::Image { .. });
+        let open = Scalar { texture, channel: RED, complement: false };
+        Ok(found.then_some(OcclusionMap { open, strength }))
     }
 
     /// The metallic-roughness surface and its extensions.

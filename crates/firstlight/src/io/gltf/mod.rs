@@ -142,7 +142,8 @@ impl<'a, 'n, 'f> Builder<'a, 'n, 'f> {
         };
         self.left = left;
         let (shape, material) = (Shape::Mesh(part.mesh), part.material);
-        self.scene.surfaces.push(Surface { name: name.to_owned(), shape, material, transform });
+        let name = name.to_owned();
+        self.scene.surfaces.push(Surface { name, shape, material, transform, motion: None });
         Ok(())
     }
 

@@ -2,6 +2,7 @@
 
 use crate::diagnostic::Diagnostic;
 use crate::io::Warnings;
+use crate::io::pictures::MISSING;
 use indexmap::IndexMap;
 
 /// Collects complaints about one file: a thousand of the same become one line with the count.
@@ -10,9 +11,10 @@ pub(super) struct Notes<'a> {
     entries: IndexMap<String, Note>,
 }
 
-struct Note {
+pub(super) struct Note {
     part: String,
     help: Option<String>,
+    code: &'static str,
     count: usize,
 }
 
@@ -34,17 +36,35 @@ impl<'a> Notes<'a> {
         count: usize,
     ) {
         if count > 0 {
-            self.note(part.into(), message.into(), None).count += count;
+            self.note(part.into(), message.into()).count += count;
         }
     }
 
     /// Notes a complaint that came with advice.
-    pub(super) fn add_with_help(&mut self, part: String, message: String, help: Option<String>) {
-        self.note(part, message, help).count += 1;
+    pub(super) fn add_with_help(
+        &mut self,
+        part: impl Into<String>,
+        message: impl Into<String>,
+        help: Option<String>,
+    ) -> &mut Note {
+        let note = self.note(part.into(), message.into());
+        note.help = help;
+        note.count += 1;
+        note
     }
 
-    fn note(&mut self, part: String, message: String, help: Option<String>) -> &mut Note {
-        self.entries.entry(message).or_insert(Note { part, help, count: 0 })
+    /// Notes that a picture cannot be used, perhaps with advice.
+    pub(super) fn add_missing(
+        &mut self,
+        part: impl Into<String>,
+        message: impl Into<String>,
+        help: Option<String>,
+    ) {
+        self.add_with_help(part, message, help).code = MISSING;
+    }
+
+    fn note(&mut self, part: String, message: String) -> &mut Note {
+        self.entries.entry(message).or_insert(Note { part, help: None, code: "", count: 0 })
     }
 
     pub(super) fn finish(self, warnings: &mut Warnings) {
@@ -53,7 +73,7 @@ impl<'a> Notes<'a> {
                 1 => message,
                 many => format!("{message} ({many} times, first here)"),
             };
-            let warning = Diagnostic::new(self.file, message).at_part(note.part);
+            let warning = Diagnostic::new(self.file, message).at_part(note.part).code(note.code);
             warnings.push(Diagnostic { help: note.help, ..warning });
         }
     }

@@ -48,7 +48,7 @@ impl Pictures {
             } else {
                 "this texture has no picture; a checkerboard is shown"
             };
-            notes.add(part, cause);
+            notes.add_missing(part, cause, None);
             return Ok(None);
         };
         let image = data.at(&data.document.images, index, "image", &format!("{part}.source"))?;
@@ -75,7 +75,7 @@ impl Pictures {
                     Some(name) => format!("{name}: {}; a checkerboard is shown", cause.message),
                     None => format!("{}; a checkerboard is shown", cause.message),
                 };
-                notes.add_with_help(part, message, cause.help);
+                notes.add_missing(part, message, cause.help);
                 None
             }
         }

@@ -45,7 +45,7 @@ impl LightUnits {
         if asked.is_none() && raw && has_lights {
             let message = "its lights are taken as watts: Blender wrote them so before version 3.6 of its exporter";
             let help = "if they are candela and lux, as glTF says: --gltf-lights spec, or gltf_lights = \"spec\" in its [models.…]";
-            notes.add_with_help("asset.generator".into(), message.into(), Some(help.into()));
+            notes.add_with_help("asset.generator", message, Some(help.into()));
         }
         asked.unwrap_or(if raw { Self::Blender } else { Self::Spec })
     }

@@ -35,7 +35,8 @@ pub(super) fn camera(
     };
     let name = placed.node.name.clone().or_else(|| camera.name.clone());
     let name = name.unwrap_or_else(|| format!("camera {index}"));
-    Ok(Some(CameraDescription { name, position, target, up, projection }))
+    let (shutter, motion) = (CameraDescription::OPEN, None);
+    Ok(Some(CameraDescription { name, position, target, up, projection, shutter, motion }))
 }
 
 fn is_view(forward: DVec3, up: DVec3) -> bool {

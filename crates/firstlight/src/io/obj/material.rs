@@ -101,7 +101,6 @@ struct Tallies {
     bright: Tally,
     black: Tally,
     invisible: Tally,
-    opacity_map: Tally,
     glowing: Tally,
 }
 
@@ -111,6 +110,7 @@ impl Maker<'_> {
         let opacity = self.opacity(mtl);
         let reflectance = self.texture(reflectance, opacity, mtl.diffuse_map.as_ref());
         let cut_out = self.has_cut_outs(mtl, &reflectance);
+        let mask = self.mask(mtl);
         let emission = mtl.emission.unwrap_or(match mtl.emission_map {
             Some(_) => Rgb::ONE,
             None => Rgb::ZERO,
@@ -124,7 +124,11 @@ impl Maker<'_> {
             normal: bent.and_then(|map| self.normal(map)),
             bump: heights.and_then(|map| self.bump(map)),
             emission: self.texture(emission, 1.0, map),
-            alpha: if opacity < 1.0 || cut_out { Alpha::Blend } else { Alpha::Opaque },
+            alpha: match opacity < 1.0 || cut_out || mask.is_some() {
+                true => Alpha::Blend,
+                false => Alpha::Opaque,
+            },
+            opacity: mask,
             ..Material::matte(name, Rgb::ZERO)
         };
         match glass(mtl) {
@@ -173,6 +177,7 @@ impl Maker<'_> {
             scattering: Scattering::Principled(Box::new(principled)),
             interior: Some(Interior::clear(ior)),
             alpha: Alpha::Opaque,
+            opacity: None,
             ..matte
         }
     }
@@ -246,11 +251,24 @@ impl Maker<'_> {
 
     /// Whether map_d names the same picture as map_Kd, and that is transparent somewhere.
     fn has_cut_outs(&mut self, mtl: &Mtl, reflectance: &Texture) -> bool {
-        let Some(map) = &mtl.opacity_map else { return false };
-        let same = mtl.diffuse_map.as_ref().is_some_and(|diffuse| diffuse.file == map.file);
-        self.tallies.opacity_map.add_if(!same, || map.place.clone());
-        same && self.pictures.is_transparent(reflectance)
+        masks_itself(mtl) && self.pictures.is_transparent(reflectance)
     }
+
+    /// A map_d that is another picture than map_Kd: its alpha if it has one, else how bright it is.
+    fn mask(&mut self, mtl: &Mtl) -> Option<Scalar> {
+        let map = mtl.opacity_map.as_ref().filter(|_| !masks_itself(mtl))?;
+        let texture = self.texture(Rgb::ONE, 1.0, Some(map));
+        // A stand-in for a missing picture holds colours.
+        let found = matches!(texture.pattern, Pattern::Image { .. });
+        let channel = if self.pictures.is_transparent(&texture) { 3 } else { 0 };
+        found.then_some(Scalar { texture, channel, complement: false })
+    }
+}
+
+/// Whether map_d names the same picture as map_Kd.
+fn masks_itself(mtl: &Mtl) -> bool {
+    let file = |map: &Option<Map>| map.as_ref().map(|map| map.file.clone());
+    mtl.opacity_map.is_some() && file(&mtl.opacity_map) == file(&mtl.diffuse_map)
 }
 
 impl Tallies {
@@ -267,9 +285,6 @@ impl Tallies {
         });
         self.invisible.warn(warnings, |count| {
             format!("{} with Tr 1, taken as solid (d 0 makes them invisible)", materials(count))
-        });
-        self.opacity_map.warn(warnings, |count| {
-            format!("{} with a map_d that is not their map_Kd: shown solid", materials(count))
         });
         self.glowing.warn(warnings, |count| {
             format!("{} with Ke: they light others only by the path integrator", materials(count))

@@ -217,7 +217,11 @@ fn pictures_and_their_options() {
     assert_eq!(materials[1].reflectance.factor, [1.0; 4]);
     assert_eq!([materials[1].alpha, materials[2].alpha], [Alpha::Opaque, Alpha::Blend]);
     assert!(matches!(materials[3].reflectance.pattern, Pattern::Checker { .. }));
-    assert_eq!(warnings.len(), 3, "{warnings:?}");
+    let mask = materials[3].opacity.as_ref().map(|mask| (&mask.texture.pattern, mask.channel));
+    assert!(matches!(mask, Some((Pattern::Image { .. }, 0))), "{mask:?}");
+    assert_eq!([&materials[2].opacity, &materials[0].opacity], [&None, &None]);
+    assert_eq!(materials[3].alpha, Alpha::Blend);
+    assert_eq!(warnings.len(), 2, "{warnings:?}");
     assert!(warnings[0].starts_with("my materials.mtl:11: cannot use the picture \"no such.png\""));
 }
 

@@ -5,6 +5,7 @@ use super::environment::{EnvironmentKeys, Surroundings};
 use super::light::{Lighting, SurfaceLightKeys};
 use super::luminaire::Luminaires;
 use super::material::MaterialKeys;
+use super::motion::MotionKeys;
 use super::pictures::Pictures;
 use super::surface::{NewShape, SurfaceKeys};
 use super::{InstanceKeys, ModelKeys, SceneKeys, look, medium, transform};
@@ -14,9 +15,10 @@ use crate::io::gltf::LightUnits;
 use crate::io::model::{self, Format, UpAxis, upright};
 use crate::io::{FileAccess, Warnings};
 use crate::scene::description::{
-    Integrator, LuminousEfficacy, Material, Part, SceneDescription, Shadows, Shape, Surface,
-    Texture, Up,
+    Integrator, Light, LightDescription, LuminousEfficacy, Material, Part, SceneDescription,
+    Shadows, Shape, Surface, Texture, Up,
 };
+use crate::scene::middle;
 use crate::suggest::{did_you_mean, quoted};
 use glam::{DAffine3, DVec3};
 use indexmap::IndexMap;
@@ -101,6 +103,7 @@ pub(super) fn build(
     warnings.extend(builder.scene.leave_out_far_triangles(document.name));
     warnings.extend(unheeded_shadows(&builder.scene, document.name));
     warnings.extend(medium::doubts(&builder.scene, document.name));
+    warnings.extend(left_behind(&builder.scene, document.name));
     Ok(builder.scene)
 }
 
@@ -112,6 +115,16 @@ fn unheeded_shadows(scene: &SceneDescription, name: &str) -> Option<Diagnostic> 
         let help = "it is for the integrator \"direct\", points and parallel light";
         Diagnostic::new(name, message).help(help)
     })
+}
+
+/// A word about lights at a camera that moves.
+fn left_behind(scene: &SceneDescription, name: &str) -> Option<Diagnostic> {
+    let at_camera = |light: &LightDescription| matches!(light.light, Light::Camera { .. });
+    let light = scene.lights.iter().find(|light| at_camera(light))?;
+    scene.cameras.first()?.motion.as_ref()?;
+    let message = "stays where the camera is at time 0; cameras move, lights do not";
+    let warning = Diagnostic::new(name, message).at_part(format!("light {}", quoted(&light.name)));
+    Some(warning.help("let the things move instead, or use lights that stand somewhere"))
 }
 
 impl Builder<'_> {
@@ -217,13 +230,13 @@ impl Builder<'_> {
         }
         let transform = transform::compose(keys.transform.as_ref(), self.document)?;
         let start = self.scene.surfaces.len();
-        let mut surface = Surface { name: name.clone(), shape, material, transform };
+        let mut surface = Surface { name: name.clone(), shape, material, transform, motion: None };
         if let Some(light) = &keys.light {
             surface.material = self.lit_material(&surface, light)?;
         }
         self.scene.surfaces.push(surface);
         self.placed.insert(name, start..start + 1);
-        Ok(())
+        self.set_in_motion(start, keys.motion.as_ref())
     }
 
     fn add_model(
@@ -245,8 +258,12 @@ impl Builder<'_> {
         let material = self.material(keys.material.as_ref())?;
         self.check_room(part.surfaces.len(), &span)?;
         self.scene.place(part, &name, transform, material);
+        if let Some(motion) = keys.motion.as_ref().filter(|_| !part.lights.is_empty()) {
+            let warning = self.document.error(&motion.span, "does not move the model's lights");
+            warnings.push(warning.help("only what has a surface moves"));
+        }
         self.placed.insert(name, start..self.scene.surfaces.len());
-        Ok(())
+        self.set_in_motion(start, keys.motion.as_ref())
     }
 
     /// Reads a variant of a model file unless it was read before; returns the key to `models`.
@@ -313,6 +330,7 @@ impl Builder<'_> {
         let material = self.material(keys.material.as_ref())?;
         let transform = transform::compose(keys.transform.as_ref(), self.document)?;
         self.check_room(range.len(), &span)?;
+        let start = self.scene.surfaces.len();
         for i in range {
             let Some(original) = self.scene.surfaces.get(i) else { continue };
             let own_name = original.name.strip_prefix(of.as_str()).unwrap_or_default();
@@ -321,9 +339,19 @@ impl Builder<'_> {
                 shape: original.shape.clone(),
                 material: material.unwrap_or(original.material),
                 transform: transform * original.transform,
+                motion: None,
             };
             self.scene.surfaces.push(copy);
         }
+        self.set_in_motion(start, keys.motion.as_ref())
+    }
+
+    /// Lets the surfaces from number `start` on move together.
+    fn set_in_motion(&mut self, start: usize, motion: Option<&At<MotionKeys>>) -> Result<()> {
+        let Some(motion) = motion else { return Ok(()) };
+        let surfaces = start..self.scene.surfaces.len();
+        let motion = motion.describe(middle(&self.scene, surfaces.clone()), self.document)?;
+        self.scene.surfaces[surfaces].iter_mut().for_each(|surface| surface.motion = motion);
         Ok(())
     }
 

@@ -1,10 +1,11 @@
 //! `[camera.perspective]` and its sisters.
 
 use super::document::{At, Document, Span};
+use super::motion;
 use crate::diagnostic::Result;
 use crate::io::model::UpAxis;
-use crate::scene::description::{CameraDescription, Projection};
-use crate::units::written::{Angle, Direction, Point, Size};
+use crate::scene::description::{CameraDescription, CameraPose, Projection};
+use crate::units::written::{Angle, Direction, Pair, Point, Size};
 use glam::DVec3;
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -34,6 +35,10 @@ pub(super) struct PerspectiveKeys {
     up: Option<At<Direction>>,
     /// Vertical field of view, between 0 and 180 degrees. Default 40.
     fov: Option<At<Angle>>,
+    /// When the shutter opens and closes, as parts of the scene's time. Default [0, 1].
+    shutter: Option<At<Pair>>,
+    /// Where it has got to when the scene's time ends. Default: it stands still.
+    motion: Option<At<PoseKeys>>,
 }
 
 /// A camera with parallel rays.
@@ -48,6 +53,10 @@ pub(super) struct OrthographicKeys {
     up: Option<At<Direction>>,
     /// Height of what is seen, m.
     height: Size,
+    /// When the shutter opens and closes, as parts of the scene's time. Default [0, 1].
+    shutter: Option<At<Pair>>,
+    /// Where it has got to when the scene's time ends. Default: it stands still.
+    motion: Option<At<PoseKeys>>,
 }
 
 /// A camera with a round lens.
@@ -66,6 +75,22 @@ pub(super) struct ThinLensKeys {
     aperture: Size,
     /// Distance along the view direction that is sharp, m. Default: that of the target.
     focus_distance: Option<Size>,
+    /// When the shutter opens and closes, as parts of the scene's time. Default [0, 1].
+    shutter: Option<At<Pair>>,
+    /// Where it has got to when the scene's time ends. Default: it stands still.
+    motion: Option<At<PoseKeys>>,
+}
+
+/// Where a camera has got to; what is not given stays as it is.
+#[derive(Debug, Clone, Copy, Default, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct PoseKeys {
+    /// Where it is, m.
+    position: Option<Point>,
+    /// The point it looks at, m.
+    target: Option<Point>,
+    /// What is up in the picture.
+    up: Option<Direction>,
 }
 
 /// Where a camera is and looks, whatever its kind.
@@ -73,6 +98,8 @@ struct View {
     position: DVec3,
     target: Option<At<Point>>,
     up: Option<At<Direction>>,
+    shutter: Option<At<Pair>>,
+    motion: Option<At<PoseKeys>>,
 }
 
 impl At<CameraKeys> {
@@ -84,26 +111,33 @@ impl At<CameraKeys> {
         document: &Document<'_>,
     ) -> Result<CameraDescription> {
         let (view, projection) = match self.value {
-            CameraKeys::Perspective(PerspectiveKeys { position, target, up, fov }) => {
-                let vertical_fov = vertical_fov(fov, document)?;
+            CameraKeys::Perspective(keys) => {
+                let vertical_fov = vertical_fov(keys.fov, document)?;
+                let PerspectiveKeys {
+                    position: Point(position), target, up, shutter, motion, ..
+                } = keys;
                 (
-                    View { position: position.0, target, up },
+                    View { position, target, up, shutter, motion },
                     Projection::Perspective { vertical_fov },
                 )
             }
-            CameraKeys::Orthographic(OrthographicKeys { position, target, up, height }) => {
-                let projection = Projection::Orthographic { height: height.0 };
-                (View { position: position.0, target, up }, projection)
+            CameraKeys::Orthographic(keys) => {
+                let projection = Projection::Orthographic { height: keys.height.0 };
+                let OrthographicKeys {
+                    position: Point(position), target, up, shutter, motion, ..
+                } = keys;
+                (View { position, target, up, shutter, motion }, projection)
             }
             CameraKeys::ThinLens(keys) => {
-                let ThinLensKeys { position: Point(position), target, up, .. } = keys;
+                let ThinLensKeys { position: Point(position), target, up, shutter, motion, .. } =
+                    keys;
                 let to_target = target.as_ref().map_or(DVec3::ZERO, |at| at.value.0) - position;
                 let projection = Projection::ThinLens {
                     vertical_fov: vertical_fov(keys.fov, document)?,
                     aperture: keys.aperture.0,
                     focus_distance: keys.focus_distance.map_or(to_target.length(), |size| size.0),
                 };
-                (View { position, target, up }, projection)
+                (View { position, target, up, shutter, motion }, projection)
             }
         };
         view.describe(name, projection, world_up, document, &self.span)
@@ -132,7 +166,31 @@ impl View {
             None if parallel(world_up.direction(), forward) => world_up.north(),
             None => world_up.direction(),
         };
-        Ok(CameraDescription { name: name.into(), position: self.position, target, up, projection })
+        let shutter = motion::shutter(self.shutter.as_ref(), document)?;
+        let first = CameraPose { position: self.position, target, up };
+        let pose = |motion: &At<PoseKeys>| motion.value.after(first, &motion.span, document);
+        let motion = self.motion.as_ref().map(pose).transpose()?.filter(|last| *last != first);
+        let name = name.into();
+        let CameraPose { position, target, up } = first;
+        Ok(CameraDescription { name, position, target, up, projection, shutter, motion })
+    }
+}
+
+impl PoseKeys {
+    /// Where a camera gets to from `first`.
+    fn after(&self, first: CameraPose, span: &Span, document: &Document<'_>) -> Result<CameraPose> {
+        let last = CameraPose {
+            position: self.position.map_or(first.position, |Point(position)| position),
+            target: self.target.map_or(first.target, |Point(target)| target),
+            up: self.up.map_or(first.up, |Direction(up)| up),
+        };
+        match (last.target - last.position).try_normalize() {
+            None => Err(document.error(span, "needs a target away from its position")),
+            Some(forward) if parallel(last.up, forward) => {
+                Err(document.error(span, "must not end with up along the view direction"))
+            }
+            Some(_) => Ok(last),
+        }
     }
 }
 

@@ -51,7 +51,7 @@ macro_rules! material_keys {
             emission: Option<TextureKeys<Color>>,
             /// The fraction of light that the surface stops at all, 0 to 1, times the alpha of its colour's picture.
             /// Default: it is solid.
-            opacity: Option<Fraction>,
+            opacity: Option<TextureKeys<Fraction>>,
             /// Alpha of its colour below which the surface is not there, 0 to 1. Default: it is always there.
             alpha_cutoff: Option<Fraction>,
             /// Whether the back can be seen. Default true.
@@ -64,6 +64,10 @@ macro_rules! material_keys {
             bump: Option<TextureKeys<Fraction>>,
             /// What a height of 1 is; below 0 hills are valleys. Default "1 mm".
             bump_height: Option<Length>,
+            /// The part of ambient light that comes to each point, 0 to 1; other light finds its own way. Default: all.
+            occlusion_map: Option<TextureKeys<Fraction>>,
+            /// How much of what that keeps out is kept out. Default 1.
+            occlusion_strength: Option<Fraction>,
         }
 
         impl $name {
@@ -75,18 +79,22 @@ macro_rules! material_keys {
                 scattering: Scattering,
                 pictures: &mut Pictures<'_>,
             ) -> Result<Material> {
-                let mut reflectance = color;
-                let alpha = match (self.opacity, self.alpha_cutoff) {
+                let alpha = match (&self.opacity, self.alpha_cutoff) {
                     (_, Some(Fraction(cutoff))) => Alpha::Mask { cutoff: cutoff as f32 },
-                    (Some(Fraction(opacity)), None) => {
-                        reflectance.factor[3] *= opacity as f32;
-                        Alpha::Blend
-                    }
+                    (Some(_), None) => Alpha::Blend,
                     (None, None) => Alpha::Opaque,
                 };
+                let opacity = self.opacity.map(|keys| pictures.scalar(Some(keys), 1.0)).transpose()?;
+                let mut reflectance = color;
+                // What is the same everywhere is in the colour's alpha.
+                if let Some(opacity) = opacity.as_ref().filter(|o| o.texture.is_constant()) {
+                    reflectance.factor[3] *= opacity.texture.factor[opacity.channel];
+                }
                 let scale = self.normal_scale.map_or(1.0, |Number(scale)| scale as f32);
                 let normal_map = self.normal_map.map(|keys| pictures.texture(Some(keys), Rgb::ONE));
                 Ok(Material {
+                    opacity: opacity.filter(|opacity| !opacity.texture.is_constant()),
+                    occlusion: pictures.occlusion(self.occlusion_map, self.occlusion_strength)?,
                     reflectance,
                     scattering,
                     normal: normal_map.transpose()?.map(|texture| NormalMap { texture, scale }),
@@ -227,8 +235,12 @@ PrincipledKeys {
     iridescence: Option<TextureKeys<Fraction>>,
     /// Index of refraction of the film. Default 1.3.
     iridescence_ior: Option<Index>,
-    /// Thickness of the film. Default "400 nm".
+    /// Thickness of the film, at the most. Default "400 nm".
     iridescence_thickness: Option<Size>,
+    /// Its thickness at the least, where `iridescence_thickness_map` is 0. Default "100 nm".
+    iridescence_thickness_min: Option<Size>,
+    /// How thick it is from the least to the most, 0 to 1. Default 1.
+    iridescence_thickness_map: Option<TextureKeys<Fraction>>,
 }
 }
 
@@ -370,6 +382,9 @@ impl PrincipledKeys {
                           default: f32|
          -> Result<Scalar> { pictures.scalar(keys.take(), default) };
         let Size(thickness) = self.iridescence_thickness.take().unwrap_or(Size(400e-9));
+        let thinnest = self.iridescence_thickness_min.take().unwrap_or(Size(100e-9));
+        let varies = self.iridescence_thickness_map.is_some();
+        let Size(thinnest) = if varies { thinnest } else { Size(thickness) };
         let Index(iridescence_ior) = self.iridescence_ior.take().unwrap_or(Index(1.3));
         Ok(Principled {
             metallic: number(&mut self.metallic, 0.0)?,
@@ -387,9 +402,9 @@ impl PrincipledKeys {
             sheen_roughness: number(&mut self.sheen_roughness, 0.3)?,
             iridescence: number(&mut self.iridescence, 0.0)?,
             iridescence_ior,
-            iridescence_thickness: Scalar::constant(1.0),
+            iridescence_thickness: pictures.scalar(self.iridescence_thickness_map.take(), 1.0)?,
             clearcoat_normal: coat_normal,
-            iridescence_thickness_range: [(1e9 * thickness) as f32; 2],
+            iridescence_thickness_range: [thinnest, thickness].map(|metres| (1e9 * metres) as f32),
             specular_color: pictures.texture(self.specular_color.take(), Rgb::ONE)?,
             sheen_color: pictures.texture(self.sheen_color.take(), Rgb::ZERO)?,
             diffuse_transmission_color: pictures

@@ -16,6 +16,7 @@ mod look;
 mod luminaire;
 mod material;
 mod medium;
+mod motion;
 mod overrides;
 mod pictures;
 mod substance;
@@ -45,6 +46,7 @@ use light::LightKeys;
 use look::{LookName, SectionKeys};
 use material::MaterialKeys;
 use medium::MediumKeys;
+use motion::MotionKeys;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use surface::SurfaceKeys;
@@ -211,6 +213,8 @@ struct ModelKeys {
     up: Option<UpAxis>,
     /// Steps to the world, the first applied first, after the model stands upright in metres.
     transform: Option<At<Vec<Step>>>,
+    /// What it does after that while the scene's time runs. Its lights stand still. Default: nothing.
+    motion: Option<At<MotionKeys>>,
 }
 
 impl ModelKeys {
@@ -230,6 +234,8 @@ struct InstanceKeys {
     material: Option<At<String>>,
     /// Steps applied after the original's own transform.
     transform: Option<At<Vec<Step>>>,
+    /// What it does after that while the scene's time runs. Default: nothing, whatever the original does.
+    motion: Option<At<MotionKeys>>,
 }
 
 /// Lumens per watt.

@@ -8,7 +8,9 @@ use super::film::Fraction;
 use crate::color::Rgb;
 use crate::diagnostic::Result;
 use crate::io::{FileAccess, pixels};
-use crate::scene::description::{BumpAmount, BumpMap, Pattern, Pixels, Scalar, Texture};
+use crate::scene::description::{
+    BumpAmount, BumpMap, OcclusionMap, Pattern, Pixels, Scalar, Texture,
+};
 use crate::units::written::{Angle, Length, Number, Pair, Size};
 use glam::{Affine2, Vec2};
 use std::collections::HashMap;
@@ -95,6 +97,17 @@ impl Pictures<'_> {
         let Length(metres) = height.unwrap_or(Length(0.001));
         let amount = BumpAmount::Metres(metres as f32);
         Ok(Some(BumpMap { height: self.scalar(Some(keys), 0.0)?, amount }))
+    }
+
+    /// What keeps ambient light out.
+    pub(super) fn occlusion(
+        &mut self,
+        keys: Option<TextureKeys<Fraction>>,
+        strength: Option<Fraction>,
+    ) -> Result<Option<OcclusionMap>> {
+        let Some(keys) = keys else { return Ok(None) };
+        let strength = strength.map_or(1.0, |Fraction(strength)| strength as f32);
+        Ok(Some(OcclusionMap { open: self.scalar(Some(keys), 1.0)?, strength }))
     }
 
     /// The mirror over a matte ground, which together may not reflect more than all.

@@ -3,6 +3,7 @@
 use super::color::Color;
 use super::document::{At, Document, Span};
 use super::light::SurfaceLightKeys;
+use super::motion::MotionKeys;
 use super::transform::Step;
 use crate::diagnostic::Result;
 use crate::scene::description::{Block, Cone, Cylinder, Disk, Mesh, Plane, Quad, Shape, Sphere};
@@ -30,6 +31,8 @@ pub(super) struct SurfaceKeys {
     pub(super) light: Option<At<SurfaceLightKeys>>,
     /// Steps from its own space to the world, the first applied first.
     pub(super) transform: Option<At<Vec<Step>>>,
+    /// What it does after that while the scene's time runs. Default: nothing.
+    pub(super) motion: Option<At<MotionKeys>>,
 }
 
 /// Triangles written out.

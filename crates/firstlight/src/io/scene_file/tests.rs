@@ -51,7 +51,7 @@ fn the_examples_of_the_reference_are_scenes() {
     let reference = std::fs::read_to_string(folder.join("docs/scene-format.md")).unwrap();
     let examples: Vec<&str> =
         reference.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
-    assert_eq!(examples.len(), 13);
+    assert_eq!(examples.len(), 14);
     for example in &examples {
         let document =
             Document { name: "example", text: example, overrides: &[], generated: false };

@@ -105,6 +105,18 @@ schema!(Matrix: {
     "examples": [[[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 5]]]
 });
 
+impl Rotation {
+    /// The unit vector it turns about.
+    pub(super) fn axis(&self) -> DVec3 {
+        self.axis.0
+    }
+
+    /// How far, rad.
+    pub(super) fn angle(&self) -> f64 {
+        self.angle.0
+    }
+}
+
 impl Step {
     fn affine(&self) -> DAffine3 {
         match self {

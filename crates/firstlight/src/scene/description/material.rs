@@ -14,6 +14,8 @@ macro_rules! texture_list {
         list.extend(material.ambient_reflectance.$iter());
         list.extend(material.normal.$iter().map(|normal| $($ref)+ normal.texture));
         list.extend(material.bump.$iter().map(|bump| $($ref)+ bump.height.texture));
+        list.extend(material.occlusion.$iter().map(|map| $($ref)+ map.open.texture));
+        list.extend(material.opacity.$iter().map(|opacity| $($ref)+ opacity.texture));
         match $($ref)+ material.scattering {
             Scattering::Matte { roughness } => list.push($($ref)+ roughness.texture),
             Scattering::Mirror { mirrored } => list.push(mirrored),
@@ -66,6 +68,8 @@ pub struct Material {
     pub normal: Option<NormalMap>,
     /// What raises the surface, before `normal` bends it further.
     pub bump: Option<BumpMap>,
+    /// What keeps ambient light out of its creases, and no other light.
+    pub occlusion: Option<OcclusionMap>,
     /// What is behind the surface, if it is the boundary of a transparent solid.
     pub interior: Option<Interior>,
     /// Radiance added to what leaves the surface, W·sr⁻¹·m⁻².
@@ -74,6 +78,8 @@ pub struct Material {
     pub emits_behind: bool,
     /// What the alpha channel of `reflectance` means.
     pub alpha: Alpha,
+    /// What multiplies that channel, 0..1; `None`: 1.
+    pub opacity: Option<Scalar>,
     /// Whether the back of the surface can be seen; otherwise camera rays pass through it.
     pub double_sided: bool,
     /// Whether the camera sees the surface at all.
@@ -90,10 +96,12 @@ impl Material {
             scattering: Scattering::Matte { roughness: Scalar::constant(0.0) },
             normal: None,
             bump: None,
+            occlusion: None,
             interior: None,
             emission: Texture::constant(Rgb::ZERO),
             emits_behind: true,
             alpha: Alpha::Opaque,
+            opacity: None,
             double_sided: true,
             visible: true,
         }
@@ -268,6 +276,15 @@ pub struct BumpMap {
     pub height: Scalar,
     /// What a height of 1 is.
     pub amount: BumpAmount,
+}
+
+/// How much of the ambient light comes to each point, as someone has worked it out before.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OcclusionMap {
+    /// The part that does, 0..1.
+    pub open: Scalar,
+    /// How much of what is kept out is, 0..1.
+    pub strength: f32,
 }
 
 /// How high a bump map is.

@@ -10,6 +10,7 @@ mod light;
 mod material;
 mod medium;
 mod mesh;
+mod motion;
 mod photometry;
 mod place;
 mod shape;
@@ -18,17 +19,18 @@ mod view;
 pub use environment::{EnvironmentDescription, Sky};
 pub use light::{CameraLightAmount, Light, LightDescription, SpotFalloff};
 pub use material::{
-    Alpha, BumpAmount, BumpMap, ComplexIndex, Facets, Interior, Material, NormalMap, Pattern,
-    Pixels, Principled, Sampling, Scalar, Scattering, Texels, Texture, UvTransform, Wrap,
+    Alpha, BumpAmount, BumpMap, ComplexIndex, Facets, Interior, Material, NormalMap, OcclusionMap,
+    Pattern, Pixels, Principled, Sampling, Scalar, Scattering, Texels, Texture, UvTransform, Wrap,
 };
 pub use medium::Medium;
 pub use mesh::Mesh;
+pub use motion::Motion;
 pub use photometry::{Goniometer, PhotometricWeb};
 pub use place::Part;
 pub use shape::{Block, Cone, Cylinder, Disk, Plane, Quad, Shape, Sphere, Surface};
 pub use view::{
-    CameraDescription, CameraSettings, Exposure, FilmDescription, Filter, Integrator, Projection,
-    Section, Shadows,
+    CameraDescription, CameraPose, CameraSettings, Exposure, FilmDescription, Filter, Integrator,
+    Projection, Section, Shadows,
 };
 
 use crate::color::Rgb;

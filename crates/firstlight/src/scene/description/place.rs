@@ -1,8 +1,8 @@
 //! Scenes inside scenes: a model's parts taken over and placed.
 
 use super::{
-    CameraDescription, Light, LightDescription, Material, Pattern, Projection, SceneDescription,
-    Shape, Surface,
+    CameraDescription, CameraPose, Light, LightDescription, Material, Pattern, Projection,
+    SceneDescription, Shape, Surface,
 };
 use glam::DAffine3;
 
@@ -43,7 +43,8 @@ impl SceneDescription {
 
     /// Adds a part's surfaces, lights and cameras, moved by `transform`; their names become `name/theirs`.
     ///
-    /// `material`, if any, replaces the surfaces' own. Quantities of light stay what they are.
+    /// `material`, if any, replaces the surfaces' own. Quantities of light stay what they are. In the model, everything stands
+    /// still.
     pub fn place(&mut self, part: &Part, name: &str, transform: DAffine3, material: Option<usize>) {
         let full_name = |own: &str| format!("{name}/{own}");
         self.surfaces.extend(part.surfaces.iter().map(|surface| Surface {
@@ -51,6 +52,7 @@ impl SceneDescription {
             shape: surface.shape.clone(),
             material: material.unwrap_or(surface.material),
             transform: transform * surface.transform,
+            motion: None,
         }));
         self.lights.extend(part.lights.iter().map(|light| LightDescription {
             name: full_name(&light.name),
@@ -131,6 +133,12 @@ fn moved_camera(camera: &CameraDescription, by: DAffine3) -> CameraDescription {
         target: by.transform_point3(camera.target),
         up: by.transform_vector3(camera.up).normalize_or(camera.up),
         projection,
+        shutter: camera.shutter,
+        motion: camera.motion.map(|pose| CameraPose {
+            position: by.transform_point3(pose.position),
+            target: by.transform_point3(pose.target),
+            up: by.transform_vector3(pose.up).normalize_or(pose.up),
+        }),
     }
 }
 
@@ -164,6 +172,7 @@ mod tests {
                 shape: Shape::Mesh(0),
                 material: 0,
                 transform: DAffine3::from_translation(DVec3::X),
+                motion: None,
             }],
             lights: vec![LightDescription::new("bulb", light)],
             ..SceneDescription::default()

@@ -1,5 +1,6 @@
 //! Surfaces as plain data.
 
+use super::Motion;
 use crate::units::written::{self, Direction, Point, Size};
 use glam::{DAffine3, DVec3};
 use schemars::JsonSchema;
@@ -16,6 +17,8 @@ pub struct Surface {
     pub material: usize,
     /// From its own space to the world: any invertible affine map.
     pub transform: DAffine3,
+    /// What it does in the world while the scene's time runs; `None`: it stands still.
+    pub motion: Option<Motion>,
 }
 
 /// The shapes a surface can have, each with outward geometric normals.

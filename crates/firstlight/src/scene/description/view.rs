@@ -21,6 +21,26 @@ pub struct CameraDescription {
     pub up: DVec3,
     /// How directions become pixels.
     pub projection: Projection,
+    /// When the shutter opens and when it closes, as parts of the scene's time, 0..1.
+    pub shutter: [f64; 2],
+    /// Where it has got to when the scene's time ends; `None`: it stands still.
+    pub motion: Option<CameraPose>,
+}
+
+impl CameraDescription {
+    /// The shutter of a camera that is not told otherwise: it is open all the time.
+    pub const OPEN: [f64; 2] = [0.0, 1.0];
+}
+
+/// Where a camera is and looks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CameraPose {
+    /// Where it is, m.
+    pub position: DVec3,
+    /// The point it looks at, m; not `position`.
+    pub target: DVec3,
+    /// What is up in the picture; not along the view direction.
+    pub up: DVec3,
 }
 
 /// How directions become pixels.

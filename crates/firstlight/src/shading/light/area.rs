@@ -1,10 +1,11 @@
 //! Surfaces that emit, as lights: their shapes, and which of them a ray has met.
 
 use super::shape::{CylinderSide, Ellipsoid, EllipticDisk, LightShape, Parallelogram, ShapeSample};
-use super::tree::LightBounds;
+use super::tree::{EmissionCone, LightBounds};
 use crate::geometry::{Analytic, Piece, Ray};
+use crate::scene::description::Motion;
 use crate::shading::interaction::clearance;
-use glam::{DVec3, Vec3};
+use glam::{DAffine3, DVec2, DVec3, Vec3};
 
 /// One part of a surface that emits.
 #[derive(Debug, Clone)]
@@ -22,17 +23,54 @@ pub(crate) struct AreaLight {
 }
 
 impl AreaLight {
-    /// Where it is and how much it gives, if it emits `radiance` on average (W·sr⁻¹·m⁻²).
-    pub(crate) fn bounds(&self, radiance: f32) -> LightBounds {
+    /// Where it is and how much it gives, if it emits `radiance` on average (W·sr⁻¹·m⁻²) and moves like that, if it does.
+    pub(crate) fn bounds(&self, radiance: f32, motion: Option<&Motion>) -> LightBounds {
         let (bounds, cone) = self.shape.extent(self.two_sided);
-        LightBounds { bounds, cone, intensity: radiance * self.shape.widest() as f32 }
+        let turns = motion.is_some_and(|motion| motion.angle != 0.0);
+        let growth = motion.map_or(1.0, |motion| motion.growth.max(1.0));
+        LightBounds {
+            bounds: bounds.moving(motion),
+            cone: if turns { EmissionCone::EVERYWHERE } else { cone },
+            intensity: radiance * (self.shape.widest() * growth * growth) as f32,
+        }
     }
 
-    /// A point of the light that sends light to `from`, picked by two numbers in 0..1.
+    /// A point of the light that sends light to `from`, picked by two numbers in 0..1. `moved`: where the light has moved to,
+    /// turned and grown evenly to all sides, if it does.
     #[inline(always)]
-    pub(crate) fn sample(&self, from: DVec3, u: glam::DVec2) -> Option<ShapeSample> {
-        let sample = self.shape.sample(from, u)?;
+    pub(crate) fn sample(
+        &self,
+        from: DVec3,
+        u: DVec2,
+        moved: Option<DAffine3>,
+    ) -> Option<ShapeSample> {
+        let sample = match moved {
+            None => self.shape.sample(from, u),
+            Some(moved) => self.sample_moved(from, u, &moved),
+        }?;
         (self.two_sided || sample.normal.dot(sample.incoming) < 0.0).then_some(sample)
+    }
+
+    /// What moves together is seen under the same angles, so that densities stay what they are.
+    fn sample_moved(&self, from: DVec3, u: DVec2, moved: &DAffine3) -> Option<ShapeSample> {
+        let sample = self.shape.sample(moved.inverse().transform_point3(from), u)?;
+        let position = moved.transform_point3(sample.position);
+        Some(ShapeSample {
+            position,
+            normal: moved.transform_vector3(sample.normal).normalize(),
+            incoming: moved.transform_vector3(sample.incoming).normalize(),
+            distance: position.distance(from),
+            ..sample
+        })
+    }
+
+    /// See [`LightShape::pdf`]; `moved` as for [`AreaLight::sample`].
+    #[inline(always)]
+    pub(crate) fn pdf(&self, from: DVec3, position: DVec3, moved: Option<DAffine3>) -> f64 {
+        let back = moved.map(|moved| moved.inverse());
+        let [from, position] =
+            [from, position].map(|p| back.map_or(p, |back| back.transform_point3(p)));
+        self.shape.pdf(from, position)
     }
 }
 
@@ -100,6 +138,6 @@ impl ShapeSample {
         let end = position + clearance(normal, position.abs() + start.abs(), error) * normal;
         let distance = (end - start).length();
         let t_max = distance * (1.0 - 4.0 * f32::EPSILON);
-        Ray { origin: start, direction: (end - start) / distance, t_min, t_max }
+        Ray { t_min, t_max, ..Ray::new(start, (end - start) / distance) }
     }
 }

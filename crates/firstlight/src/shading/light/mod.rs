@@ -179,10 +179,10 @@ impl LightSample {
         let direction = to_light * distance.recip();
         let t_max = distance * (1.0 - 4.0 * f32::EPSILON);
         Ray {
-            origin,
             direction: if endless { self.incoming } else { direction },
             t_min,
             t_max: if endless { f32::INFINITY } else { t_max },
+            ..Ray::new(origin, direction)
         }
     }
 }

@@ -178,6 +178,31 @@ fn textures_give_the_channels_that_gltf_names() {
     assert!(p.facets.direction.is_some());
 }
 
+/// Red of the picture by its strength; the thickness of films is green between least and most.
+#[test]
+fn occlusion_and_thickness_have_their_channels_and_ranges() {
+    let (material, warnings) = textured(json!({ "index": 0 }), |document| {
+        let material = &mut document["materials"][0];
+        material["occlusionTexture"] = json!({ "index": 0, "strength": 0.25 });
+        material["extensions"] = json!({ "KHR_materials_iridescence": {
+            "iridescenceFactor": 1, "iridescenceThicknessMinimum": 300,
+            "iridescenceThicknessMaximum": 200, "iridescenceThicknessTexture": { "index": 0 } } });
+    });
+    assert_eq!(warnings, [""; 0]);
+    let map = material.occlusion.as_ref().expect("it has a map");
+    assert_eq!((map.strength, map.open.channel), (0.25, 0));
+    assert!(matches!(map.open.texture.pattern, Pattern::Image { .. }));
+    let p = principled(&material);
+    assert_eq!((p.iridescence_thickness.channel, p.iridescence_thickness.is(1.0)), (1, false));
+    assert_eq!(p.iridescence_thickness_range, [300.0, 200.0]);
+    // Without a picture, films are as thick as they can be.
+    let (material, _) = textured(json!({ "index": 0 }), |document| {
+        let film = json!({ "KHR_materials_iridescence": { "iridescenceFactor": 1 } });
+        document["materials"][0]["extensions"] = film;
+    });
+    assert!(principled(&material).iridescence_thickness.is(1.0) && material.occlusion.is_none());
+}
+
 #[test]
 fn textures_bring_their_sampler() {
     let (material, warnings) = textured(json!({ "index": 0 }), |_| {});
