@@ -28,7 +28,8 @@ def lamp(corner, edge_u, edge_v, radiance):
     right, back = u.normalized(), -u.cross(v).normalized()
     turned = mathutils.Matrix((right, back.cross(right), back)).transposed()
     middle = mathutils.Vector(corner) + u / 2 + v / 2
-    add("lamp", data).matrix_world = mathutils.Matrix.LocRotScale(middle, turned, None)
+    placed = add("lamp", data)
+    placed.matrix_world, placed.visible_camera = mathutils.Matrix.LocRotScale(middle, turned, None), True
 
 
 def gold(center, radius, alpha):

@@ -26,14 +26,14 @@ def block(center, half, degrees):
 
 
 def cornell(_folder, _model):
-    """A box lit from its ceiling."""
+    """A box lit from its ceiling; all walls face inwards."""
     white, green, red = [0.886, 0.699, 0.666], [0.105, 0.378, 0.076], [0.570, 0.043, 0.044]
     parts = {
         "floor": (quad((-1, -1, 1), (2, 0, 0), (0, 0, -2)), white),
         "ceiling": (quad((-1, 1, -1), (2, 0, 0), (0, 0, 2)), white),
         "back": (quad((-1, -1, -1), (2, 0, 0), (0, 2, 0)), white),
-        "right": (quad((1, -1, 1), (0, 0, -2), (0, 2, 0)), green),
-        "left": (quad((-1, -1, -1), (0, 0, 2), (0, 2, 0)), red),
+        "right": (quad((1, -1, -1), (0, 0, 2), (0, 2, 0)), green),
+        "left": (quad((-1, -1, 1), (0, 0, -2), (0, 2, 0)), red),
         "small": (block((0.335, -0.7, 0.38), (0.3, 0.3, 0.3), -17), white),
         "large": (block((-0.33, -0.4, -0.28), (0.3, 0.61, 0.3), 18.25), white),
     }
