@@ -67,8 +67,9 @@ impl Labels {
         if text.is_empty() {
             return;
         }
-        let mut place =
-            DVec2::new(at.x.min(WIDTH - 9.0 * text.len() as f64).max(4.0) + 8.0, at.y - 6.0);
+        let (width, edge) = (9.0 * text.chars().count() as f64, 12.0);
+        let x = (at.x + 8.0).min(WIDTH - width - edge).max(edge);
+        let mut place = DVec2::new(x, at.y - 6.0);
         let lies_on = |place: DVec2, other: &DVec2| {
             (place.y - other.y).abs() < 15.0 && (place.x - other.x).abs() < 160.0
         };
