@@ -240,3 +240,28 @@ fn film_and_lens(projection: &Projection) -> (f64, Lens) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Any number of them, over the borders of blocks.
+    #[test]
+    fn many_rays_are_those_that_are_made_one_by_one() {
+        let description = CameraDescription {
+            name: String::new(),
+            position: DVec3::new(1.0, -3.0, 2.0),
+            target: DVec3::ZERO,
+            up: DVec3::Z,
+            projection: Projection::Perspective { vertical_fov: 1.0 },
+            shutter: CameraDescription::OPEN,
+            motion: None,
+        };
+        let camera = Camera::new(&description, 640, 480);
+        let film: Vec<_> = (0..150).map(|i| Vec2::new(4.3 * i as f32, 3.1 * i as f32)).collect();
+        let mut rays = Vec::new();
+        camera.rays(&film, &[], &[], &mut rays);
+        let alone: Vec<_> = film.iter().map(|&film| camera.ray(film, Vec2::ZERO, 0.0)).collect();
+        assert_eq!(rays, alone);
+    }
+}

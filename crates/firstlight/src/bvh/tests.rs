@@ -148,6 +148,18 @@ fn what_moves_is_found_where_it_is() {
     }
 }
 
+/// Of things in the same place the one with the lower number is hit, in whatever order they are come to.
+#[test]
+fn equal_distances_are_ordered_by_identity() {
+    let mesh = Arc::new(bumpy_sphere(12));
+    for instanced in [false, true] {
+        let world = world(&mesh, &[DAffine3::IDENTITY; 3], instanced);
+        let hits = closest(&world, &random_rays(2000, 9));
+        assert!(hits.iter().filter(|hit| hit.is_some()).count() > 100);
+        assert!(hits.iter().all(|hit| !hit.is_some() || hit.surface == 0), "{instanced}");
+    }
+}
+
 #[test]
 fn every_level_gives_the_same_bits() {
     let mesh = Arc::new(bumpy_sphere(30));

@@ -179,6 +179,15 @@ mod tests {
         }
     }
 
+    /// Whichever comes first.
+    #[test]
+    fn numbers_a_bin_apart_keep_their_digits() {
+        for values in [[16.0, 0.001], [0.001, 16.0]] {
+            let exact = f64::from(values[0]) + f64::from(values[1]);
+            assert!((sum_of(&values).values()[0] - exact).abs() < 2_f64.powi(-34), "{values:?}");
+        }
+    }
+
     #[test]
     fn sums_are_as_good_as_those_of_doubles() {
         let mut random = Random::new(5);
