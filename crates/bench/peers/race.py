@@ -17,8 +17,9 @@ from pathlib import Path
 import numpy as np
 
 import race_scenes
-from run import HERE, find_llvm, has_package
+from run import HERE, check_names, find_llvm, has_package
 
+PEERS = ["mitsuba", "cycles"]
 TARGETS = {"cornell": [0.01, 0.003, 0.001], "sky": [0.03, 0.01, 0.003]}
 
 
@@ -114,11 +115,14 @@ def arguments():
     names = lambda text: text.lower().split(",")
     parser.add_argument("--firstlight", type=Path, required=True, help=argparse.SUPPRESS)
     parser.add_argument("--case", type=names, default=list(TARGETS), help="of " + ", ".join(TARGETS))
-    parser.add_argument("--peer", type=names, default=["mitsuba", "cycles"], help="of mitsuba, cycles")
+    parser.add_argument("--peer", type=names, default=PEERS, help="of " + ", ".join(PEERS))
     parser.add_argument("--model", type=Path, help="PLY file of triangles for the case sky, y up (default: a bumpy ball)")
     parser.add_argument("--runs", type=int, default=3, help="runs that medians are taken of (default: 3)")
     parser.add_argument("--reference", type=int, default=2048, help="samples of the references (default: 2048)")
-    return parser.parse_args()
+    options = parser.parse_args()
+    check_names(parser, "case", options.case, TARGETS)
+    check_names(parser, "peer", options.peer, PEERS)
+    return options
 
 
 def main():

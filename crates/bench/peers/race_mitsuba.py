@@ -7,38 +7,25 @@ import time
 import mitsuba as mi
 import numpy as np
 
+from mitsuba_parts import diffuse, mesh, rgb, sensor
+
 scene_file, width, height, samples, seed, out, sampler = sys.argv[1:]
 mi.set_variant("llvm_ad_rgb")
 recipe = json.load(open(scene_file))
 Transform = mi.ScalarTransform4f
-rgb = lambda value: {"type": "rgb", "value": list(value)}
-camera = recipe["camera"]
 described = {
     "type": "scene",
     "integrator": {"type": "path", "max_depth": recipe["bounces"] + 1},
-    "sensor": {
-        "type": "perspective",
-        "fov": camera["fov"],
-        "fov_axis": "y",
-        "to_world": Transform().look_at(origin=camera["eye"], target=camera["target"], up=[0, 1, 0]),
-        "film": {
-            "type": "hdrfilm", "width": int(width), "height": int(height), "rfilter": {"type": "box"},
-            "pixel_format": "rgb", "component_format": "float32",
-        },
-        "sampler": {"type": sampler, "sample_count": int(samples)},
-    },
+    "sensor": sensor(recipe["camera"], int(width), int(height), int(samples), sampler),
 }
-for name, part in recipe["parts"].items():
-    look = {"type": "diffuse", "reflectance": rgb(part["reflectance"])}
-    described[name] = {"type": "ply", "filename": part["file"], "face_normals": True, "bsdf": look}
+described |= {name: mesh(**part) for name, part in recipe["parts"].items()}
 if "lamp" in recipe:
     lamp = recipe["lamp"]
     corner, u, v = (np.array(lamp[key], float) for key in ("corner", "edge_u", "edge_v"))
     columns = [u / 2, v / 2, np.cross(u, v), corner + u / 2 + v / 2]
     place = np.vstack([np.stack(columns, 1), [0, 0, 0, 1]])
     emitter = {"type": "area", "radiance": rgb(lamp["radiance"])}
-    black = {"type": "diffuse", "reflectance": rgb([0, 0, 0])}
-    described["lamp"] = {"type": "rectangle", "to_world": Transform(place), "emitter": emitter, "bsdf": black}
+    described["lamp"] = {"type": "rectangle", "to_world": Transform(place), "emitter": emitter, "bsdf": diffuse([0, 0, 0])}
 if "gold" in recipe:
     gold = recipe["gold"]
     metal = {"type": "roughconductor", "distribution": "ggx", "alpha": gold["alpha"], "material": "Au"}

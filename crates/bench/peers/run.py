@@ -165,13 +165,17 @@ def arguments():
     parser.add_argument("--runs", type=int, default=3, help="runs that medians are taken of (default: 3)")
     parser.add_argument("--limit", type=float, default=150, help="seconds for each renderer and scene (default: 150)")
     options = parser.parse_args()
-    for option, asked, known in [("case", options.case, CASES), ("peer", options.peer, PEERS)]:
-        for name in asked:
-            if name not in known:
-                parser.error(f"no {option} {name}; there are {', '.join(known)}")
+    check_names(parser, "case", options.case, CASES)
+    check_names(parser, "peer", options.peer, PEERS)
     if options.runs < 1 or not (has_package("numpy") and has_package("PIL")):
         parser.error("this takes at least one run and the Python packages numpy and pillow")
     return options
+
+
+def check_names(parser, option, asked, known):
+    for name in asked:
+        if name not in known:
+            parser.error(f"no {option} {name}; there are {', '.join(known)}")
 
 
 def has_package(name):

@@ -91,13 +91,15 @@ fn a_light_does_what_the_lecture_says() {
     assert!((key.share - 1.0).abs() < 1e-12, "{}", key.share);
 }
 
+/// What became of a light's light in the middle of [`BOARD`], with some values set, and the cause in words.
+fn verdict(name: &str, more: &[&str]) -> (Verdict, String) {
+    let explanation = middle(BOARD, more);
+    let light = explanation.path[0].lights.iter().find(|light| light.source == name);
+    (light.unwrap().verdict.clone(), explanation.cause.text)
+}
+
 #[test]
 fn lights_that_give_nothing_say_why() {
-    let verdict = |name: &str, more: &[&str]| {
-        let explanation = middle(BOARD, more);
-        let light = explanation.path[0].lights.iter().find(|light| light.source == name);
-        (light.unwrap().verdict.clone(), explanation.cause.text)
-    };
     assert_eq!(verdict("spot", &[]).0, Verdict::OutsideBeam);
     assert_eq!(verdict("below", &[]).0, Verdict::FacesAway);
     let shade = "surfaces.shade.sphere={center=[0, 1.5, 2], radius=0.5}";
@@ -113,11 +115,6 @@ fn lights_that_give_nothing_say_why() {
 /// Lights with an extent that shine elsewhere: they are above the horizon.
 #[test]
 fn lights_of_some_size_that_shine_elsewhere_say_so() {
-    let verdict = |name: &str, more: &[&str]| {
-        let explanation = middle(BOARD, more);
-        let light = explanation.path[0].lights.iter().find(|light| light.source == name);
-        (light.unwrap().verdict.clone(), explanation.cause.kind)
-    };
     let dark = ["lights.key.point.intensity=0", "lights.below.directional.irradiance=0"];
     let round = [dark[0], dark[1], "lights.spot.spot.radius=0.01"];
     assert_eq!(verdict("spot", &round).0, Verdict::OutsideBeam);

@@ -5,7 +5,7 @@ mod common;
 
 use common::*;
 use firstlight::scene::description::*;
-use firstlight::{Measurement, Meter, Ray, Scene, SceneDescription};
+use firstlight::{Meter, Ray, Scene, SceneDescription};
 use glam::{DQuat, DVec3, Vec3};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
@@ -14,17 +14,6 @@ fn by_paths(reflectance: f32) -> SceneDescription {
     let mut scene = scene_of(Vec3::splat(reflectance));
     scene.integrator = Integrator::Path { bounces: None };
     scene
-}
-
-/// Takes samples until the standard error is at most 0.1 %, then asks whether the value is right.
-#[track_caller]
-fn expect(measure: impl Fn(u32) -> Measurement, expected: f64) {
-    let known = |m: &Measurement| f64::from(m.standard_error.x) <= 1e-3 * expected;
-    let mut tries = (12..=24).step_by(2).map(|k| measure(1 << k)).filter(known);
-    let measured = tries.next().expect("the standard error falls to 0.1 %");
-    let (value, error) = (f64::from(measured.value.x), f64::from(measured.standard_error.x));
-    let off = (value - expected).abs();
-    assert!(off <= 4.0 * error + 3e-5 * expected, "{value} ± {error} is not {expected}");
 }
 
 #[track_caller]

@@ -5,7 +5,7 @@ mod common;
 use common::*;
 use firstlight::io::scene_file;
 use firstlight::render::{RenderOptions, render};
-use firstlight::{FileAccess, Image, Measurement, Meter, Scene, SceneDescription};
+use firstlight::{FileAccess, Image, Meter, Scene, SceneDescription};
 use glam::DVec3;
 use std::f64::consts::{FRAC_2_PI, PI, TAU};
 use std::ops::ControlFlow;
@@ -29,17 +29,6 @@ fn mean(f: impl Fn(f64) -> f64, from: f64, to: f64) -> f64 {
     const STEPS: u32 = 2000;
     let at = |i: u32| f(from + (to - from) * (f64::from(i) + 0.5) / f64::from(STEPS));
     (0..STEPS).map(at).sum::<f64>() / f64::from(STEPS)
-}
-
-/// Takes samples until the standard error is at most 0.1 %, then asks whether the value is right.
-#[track_caller]
-fn expect(measure: impl Fn(u32) -> Measurement, expected: f64) {
-    let known = |m: &Measurement| f64::from(m.standard_error.x) <= 1e-3 * expected;
-    let mut tries = (12..=22).step_by(2).map(|k| measure(1 << k)).filter(known);
-    let measured = tries.next().expect("the standard error falls to 0.1 %");
-    let (value, error) = (f64::from(measured.value.x), f64::from(measured.standard_error.x));
-    let off = (value - expected).abs();
-    assert!(off <= 4.0 * error + 3e-5 * expected, "{value} ± {error} is not {expected}");
 }
 
 #[track_caller]

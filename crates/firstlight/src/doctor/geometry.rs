@@ -80,9 +80,7 @@ impl Doctor<'_> {
             let behind = self.scene.interaction(ray, hit).geometric_normal;
             is_parallel(self.normal(probe), behind)
         });
-        both.map(|((probe, _), hit)| (probe, hit))
-            .map(|(probe, hit)| [probe.hit.surface, hit.surface])
-            .collect()
+        both.map(|((probe, _), hit)| [probe.hit.surface, hit.surface]).collect()
     }
 
     /// The normal of what a ray has met.

@@ -66,16 +66,8 @@ impl<const N: usize> ExactSums<N> {
 /// What there is in a bin and the one below, as seen from so many bins higher.
 #[inline(always)]
 fn lowered([high, low]: [i64; 2], by: u8) -> [i64; 2] {
-    [
-        if by == 0 { high } else { 0 },
-        if by == 0 {
-            low
-        } else if by == 1 {
-            high
-        } else {
-            0
-        },
-    ]
+    let only = |x: i64, at: u8| if by == at { x } else { 0 };
+    [only(high, 0), only(low, 0) + only(high, 1)]
 }
 
 /// `M` numbers, each with its parts in the bin of its highest bit and in the one below.

@@ -245,7 +245,8 @@ impl<'a> Direct<'a> {
                 let point = block.get(k);
                 let (sample, cos, mut ray) = lit.get(k, point.start, t_min);
                 let LightSample { incoming, irradiance, .. } = sample;
-                let scattered = match glossy.get(point.glossy as usize) {
+                let glossy = glossy.get(point.glossy as usize);
+                let scattered = match glossy {
                     _ if irradiance == Rgb::ZERO => continue,
                     None if cos <= 0.0 => continue,
                     None => point.matte * cos,
@@ -255,7 +256,7 @@ impl<'a> Direct<'a> {
                 if radiance == Rgb::ZERO {
                     continue;
                 }
-                if let Some(glossy) = glossy.get(point.glossy as usize).filter(|_| cos <= 0.0) {
+                if let Some(glossy) = glossy.filter(|_| cos <= 0.0) {
                     ray = sample.ray_from(point.position.as_vec3(), glossy.behind, t_min);
                 }
                 let gain = Gain {

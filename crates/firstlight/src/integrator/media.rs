@@ -34,6 +34,21 @@ pub(super) struct Crossing {
     pub boundary: Option<Boundary>,
 }
 
+/// The solids around where paths start, found once for those that start at one place and time, as most do.
+#[derive(Default)]
+pub(super) struct Around(Option<((Vec3, f32), Media)>);
+
+impl Around {
+    /// The solids around a point, m, at a time.
+    #[inline(always)]
+    pub(super) fn media(&mut self, scene: &Scene, point: Vec3, time: f32) -> Media {
+        match self.0 {
+            Some((known, media)) if known == (point, time) => media,
+            _ => self.0.insert(((point, time), Media::around(scene, point, time))).1,
+        }
+    }
+}
+
 impl Media {
     /// Crosses a surface of the solid of `material`, from its front or its back. `channel`: the one that the path is
     /// followed for, if the index depends on it.
@@ -73,7 +88,7 @@ impl Media {
 
     /// The solids around a point, m, at a time. They have to be known before they are left: what is met inside of them is seen
     /// through them.
-    pub(super) fn around(scene: &Scene, point: Vec3, time: f32) -> Self {
+    fn around(scene: &Scene, point: Vec3, time: f32) -> Self {
         let (mut found, mut entered) = (Vec::new(), Self::default());
         let mut ray = Ray { time, ..Ray::new(point, SOMEWHERE.normalize()) };
         let mut hits = Vec::new();

@@ -18,7 +18,7 @@ pub(crate) use occlusion::Occlusion;
 
 use super::RayCounts;
 use super::dimensions::{Bounce, time};
-use super::media::{Crossing, Media};
+use super::media::{Around, Crossing, Media};
 use super::record::{Asked, Followed, Gain, Recorder, add};
 use super::shadows::ShadowRays;
 use super::source::Source;
@@ -120,6 +120,9 @@ impl Draws {
         vertices: &[Vertex],
         numbers: [u32; N],
     ) {
+        if N == 0 {
+            return;
+        }
         self.paths.clear();
         self.paths.extend(vertices.iter().map(|vertex| points[vertex.walk.sample as usize]));
         for (number, pairs) in numbers.into_iter().zip(&mut self.pairs) {
@@ -220,16 +223,11 @@ impl<'a> Path<'a> {
         scratch.begin(rays.len());
         scratch.counts.camera += rays.len() as u64;
         scratch.rays.extend_from_slice(rays);
-        let mut around = None;
+        let mut around = Around::default();
         for (sample, ray) in (0..).zip(rays) {
-            // Most cameras have all rays from one point.
-            let (origin, time) = (ray.origin, ray.time);
-            let known = around.filter(|(known, _)| *known == (origin, time));
-            let known =
-                known.unwrap_or_else(|| ((origin, time), Media::around(self.scene, origin, time)));
-            around = Some(known);
-            let eye = Walk::from_eye(sample, time);
-            scratch.walks.push(Walk { media: known.1, cone: self.scene.cone, ..eye });
+            let media = around.media(self.scene, ray.origin, ray.time);
+            let eye = Walk::from_eye(sample, ray.time);
+            scratch.walks.push(Walk { media, cone: self.scene.cone, ..eye });
         }
         let filter = SeenByCamera(self.scene, 0);
         self.scene.world.closest_hits(&scratch.rays, &filter, &mut scratch.hits);
@@ -257,12 +255,10 @@ impl<'a> Path<'a> {
         let start = position + clearance(normal, position.abs(), 0.0) * normal;
         scratch.begin(points.len());
         scratch.lobes.push(Lobe::new(Kind::Lambert, Rgb::splat(PI)));
-        let mut around = None;
+        let mut around = Around::default();
         scratch.vertices.extend((0..).zip(points).map(|(sample, points)| {
             let time = time(self.scene, points);
-            let known = around.filter(|(known, _)| *known == time);
-            let (_, media) = *around
-                .insert(known.unwrap_or_else(|| (time, Media::around(self.scene, start, time))));
+            let media = around.media(self.scene, start, time);
             Vertex {
                 walk: Walk { sharp_only: false, media, ..Walk::from_eye(sample, time) },
                 position,

@@ -5,7 +5,7 @@ pub(crate) use firstlight::verify::scenes::*;
 pub(crate) use firstlight::verify::{Random, differing, escaped, reintersections, terminator};
 
 use firstlight::io::scene_file;
-use firstlight::{FileAccess, SceneDescription};
+use firstlight::{FileAccess, Measurement, SceneDescription};
 use std::path::Path;
 
 #[track_caller]
@@ -13,6 +13,17 @@ pub(crate) fn close(value: impl Into<f64>, expected: f64, relative: f64) {
     let value = value.into();
     let error = if expected == 0.0 { value.abs() } else { (value / expected - 1.0).abs() };
     assert!(error <= relative, "{value} is not {expected} within {relative}: off by {error:e}");
+}
+
+/// Takes samples until the standard error is at most 0.1 %, then asks whether the value is right.
+#[track_caller]
+pub(crate) fn expect(measure: impl Fn(u32) -> Measurement, expected: f64) {
+    let known = |m: &Measurement| f64::from(m.standard_error.x) <= 1e-3 * expected;
+    let mut tries = (12..=24).step_by(2).map(|k| measure(1 << k)).filter(known);
+    let measured = tries.next().expect("the standard error falls to 0.1 %");
+    let (value, error) = (f64::from(measured.value.x), f64::from(measured.standard_error.x));
+    let off = (value - expected).abs();
+    assert!(off <= 4.0 * error + 3e-5 * expected, "{value} ± {error} is not {expected}");
 }
 
 /// The scene of a text in a file of that name, with some values set.

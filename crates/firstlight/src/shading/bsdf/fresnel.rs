@@ -20,6 +20,13 @@ pub(crate) fn dielectric(cos: f64, eta: f64) -> (f64, Option<f64>) {
     (0.5 * (s * s + p * p), Some(beyond))
 }
 
+/// The cosine outside of a solid of light that meets its boundary with a cosine from either side; `None` if all is reflected.
+/// `eta`: index beyond over index here.
+pub(crate) fn outside_cos(cos: f32, eta: f32) -> Option<f32> {
+    let (_, beyond) = dielectric(cos.into(), eta.into());
+    if eta < 1.0 { beyond.map(|cos| cos as f32) } else { Some(cos) }
+}
+
 /// What a boundary reflects of light that arrives with a given cosine.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Fresnel {
@@ -65,10 +72,8 @@ impl Gloss {
     /// The fraction reflected of light that arrives with a cosine from either side; `eta`: index beyond over index here.
     pub(crate) fn at(self, cos: f32, eta: f32) -> Rgb {
         let Self { normal, grazing } = self;
-        let (_, beyond) = dielectric(cos.into(), eta.into());
-        let Some(beyond) = beyond else { return Rgb::ONE };
-        let outside = if eta < 1.0 { beyond as f32 } else { cos };
-        Fresnel::Schlick { normal, grazing }.at(outside)
+        let outside = outside_cos(cos, eta);
+        outside.map_or(Rgb::ONE, |cos| Fresnel::Schlick { normal, grazing }.at(cos))
     }
 }
 

@@ -1,7 +1,7 @@
 //! glTF's metallic-roughness surface with its ratified extensions, at one point.
 
 use super::Kind;
-use super::fresnel::{Fresnel, Gloss, dielectric, normal_reflectance, thin_film};
+use super::fresnel::{Fresnel, Gloss, normal_reflectance, outside_cos, thin_film};
 use super::layers::{Alpha, Layers};
 use crate::color::Rgb;
 use glam::{Vec2, Vec3};
@@ -146,8 +146,7 @@ impl PrincipledPoint {
         if plain && self.iridescence <= 0.0 {
             return None;
         }
-        let (_, beyond) = dielectric(cos.into(), eta.into());
-        let outside = if eta < 1.0 { beyond.unwrap_or(0.0) as f32 } else { cos };
+        let outside = outside_cos(cos, eta).unwrap_or(0.0);
         Some(Gloss { normal: self.normal(outside), grazing: self.specular })
     }
 
