@@ -281,7 +281,7 @@ pub(crate) struct RelightArgs {
     /// Stops of exposure, or auto [default: as the picture was to be shown]
     #[arg(long, value_name = "EV|auto", value_parser = exposure, allow_hyphen_values = true)]
     pub exposure: Option<Exposure>,
-    /// How bright light is shown [default: srgb]
+    /// How bright light is shown [default: as the picture was to be shown]
     #[arg(long, value_name = "srgb|neutral|agx|aces|filmic|raw", value_parser = view)]
     pub view: Option<View>,
     /// Print nothing but errors and warnings
@@ -718,6 +718,7 @@ fn relit(text: &str) -> Parsed<(String, Rgb)> {
         "off" => Rgb::ZERO,
         "on" => Rgb::ONE,
         factor => match factor.parse::<f32>() {
+            Ok(number) if number < 0.0 => return Err("a factor is not negative".into()),
             Ok(number) if number.is_finite() => Rgb::splat(number),
             _ => {
                 let [r, g, b, _] = firstlight::color::parse(factor)
@@ -772,9 +773,8 @@ fn exposure(text: &str) -> Parsed<Exposure> {
 }
 
 fn view(text: &str) -> Parsed<View> {
-    let known = View::NAMES.iter().find(|(name, _)| *name == text);
     let wrong = || "known are srgb, neutral, agx, aces, filmic and raw".to_owned();
-    known.map(|(_, view)| *view).ok_or_else(wrong)
+    View::from_name(text).ok_or_else(wrong)
 }
 
 /// Degrees as radians, within a full turn either way.

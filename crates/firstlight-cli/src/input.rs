@@ -26,6 +26,11 @@ impl InputArgs {
         !self.is_stdin() && !is_scene_file(&self.scene)
     }
 
+    /// Whether the user has set what stands under these keys, or a part of it, with `-D`.
+    pub(crate) fn sets(&self, keys: &[&str]) -> bool {
+        self.define.iter().any(|set| set.sets(keys))
+    }
+
     /// The scene as it is called in messages and reports.
     pub(crate) fn name(&self) -> String {
         if self.is_stdin() { "-".into() } else { self.scene.display().to_string() }

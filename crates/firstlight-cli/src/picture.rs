@@ -4,7 +4,7 @@ use crate::args::PictureArgs;
 use crate::input::choose_camera;
 use crate::{Outcome, machine, studio};
 use firstlight::diagnostic::Result;
-use firstlight::io::scene_file::Override;
+use firstlight::io::scene_file::{Override, apply_look};
 use firstlight::io::{FileAccess, Warnings};
 use firstlight::scene::description::Section;
 use firstlight::{Level, Look, SceneDescription};
@@ -43,7 +43,7 @@ impl PictureArgs {
         if self.input.is_model() {
             studio::dress(scene, self)?;
             if let Some(look) = self.look {
-                look.apply(scene, self.section);
+                apply_look(look, self.section, &self.input.define, scene)?;
                 self.set_film(scene);
             }
         }

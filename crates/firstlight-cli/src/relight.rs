@@ -26,7 +26,7 @@ pub(crate) fn run(args: &RelightArgs) -> Outcome {
         None => file.exposure_ev.unwrap_or(0.0),
         Some(stops) => stops.unwrap_or_else(|| auto_exposure(&image)) as f32,
     };
-    let (view, dither) = (args.view.unwrap_or_default(), !args.output.no_dither);
+    let (view, dither) = (args.view.or(file.view).unwrap_or_default(), !args.output.no_dither);
     let develop = Develop { exposure_ev, view, dither };
     let bytes = save(&image, output.format, develop, &Metadata::default())
         .map_err(|error| Failure { exit: Exit::Failed, error })?;

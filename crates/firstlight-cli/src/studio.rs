@@ -1,6 +1,6 @@
 //! The studio around a model, as the command line asks for it.
 
-use crate::args::{Axis, InputArgs, PictureArgs, StudioArgs};
+use crate::args::{Axis, PictureArgs, StudioArgs};
 use firstlight::color::Rgb;
 use firstlight::diagnostic::{Diagnostic, Result};
 use firstlight::io::model_override;
@@ -108,7 +108,7 @@ fn rgb([r, g, b, _]: [f32; 4]) -> Rgb {
 }
 
 /// Puts the studio around a model. Its own camera is kept unless a direction is asked for; its own lights are used
-/// alone, unless others are asked for, and with an exposure that suits them.
+/// alone, unless others are asked for, and with an exposure that suits them. What `-D` sets stays as it is set.
 pub(crate) fn dress(scene: &mut SceneDescription, args: &PictureArgs) -> Result<()> {
     if args.studio.has_view() {
         if args.camera.as_deref().is_some_and(|name| name != "frame") {
@@ -120,19 +120,20 @@ pub(crate) fn dress(scene: &mut SceneDescription, args: &PictureArgs) -> Result<
     let own_lights = !scene.lights.is_empty() || scene.environment.is_some();
     // Without a ground there is nothing around the model: for a transparent picture, or a drawing on paper.
     let bare = scene.film.transparent || args.look == Some(Look::Clarity);
-    let studio = args.studio.studio(own_lights, bare, scene.luminous_efficacy.0);
+    let mut studio = args.studio.studio(own_lights, bare, scene.luminous_efficacy.0);
+    if args.input.sets(&["background"]) {
+        studio.background = studio.background.or(Some(scene.background));
+    }
     if own_lights {
         scene.lights.extend(studio.lights());
-        if !sets_exposure(args) {
+        if args.exposure.is_none() && !args.input.sets(&["film", "exposure"]) {
             scene.film.exposure = Exposure::Auto;
         }
     }
+    let integrator = scene.integrator;
     studio.dress(scene);
+    if args.input.sets(&["integrator"]) {
+        scene.integrator = integrator;
+    }
     Ok(())
-}
-
-/// Whether the exposure was given on the command line.
-fn sets_exposure(args: &PictureArgs) -> bool {
-    let InputArgs { define, .. } = &args.input;
-    args.exposure.is_some() || define.iter().any(|set| set.path().eq(["film", "exposure"]))
 }

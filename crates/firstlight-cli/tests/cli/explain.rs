@@ -1,6 +1,6 @@
 //! `firstlight explain`, layers and `relight`.
 
-use super::Folder;
+use super::{Folder, decode};
 use std::f64::consts::PI;
 
 /// The camera `top` sees x and y in the middle 6 m: 32 pixels.
@@ -98,6 +98,7 @@ fn lights_are_mixed_again() {
     folder.run("relight all.exr --only fill -o only.exr -q").done();
     assert_eq!(read("ambient.exr"), read("only.exr"));
     folder.run("render scene.toml -D luminous_efficacy=179 --aov light -o dim.exr -q").done();
+    folder.run("relight all.exr --light lamp=-1 -o x.exr").fails(2, &["lamp=-1", "not negative"]);
     let ran =
         folder.command("relight dim.exr -o a.png --exposure").arg("1/125 f/8 ISO 100").output();
     let told = String::from_utf8(ran.unwrap().stderr).unwrap();
@@ -106,4 +107,20 @@ fn lights_are_mixed_again() {
     folder.run("relight plain.exr -o x.exr").fails(2, &["no layers of light", "--aov light"]);
     folder.run("render scene.toml --aov light -o x.png").fails(2, &["no room for layers", ".exr"]);
     folder.run("render scene.toml --aov dept -o x.exr").fails(2, &["dept", "depth"]);
+}
+
+/// Without a wish for another one, what is mixed again has the exposure and the view that it was rendered with.
+#[test]
+fn what_is_mixed_again_looks_as_it_was_rendered() {
+    let folder = Folder::new();
+    let codes = |name: &str| decode(&std::fs::read(folder.path(name)).unwrap()).2;
+    for (view, _) in firstlight::color::View::NAMES {
+        let line = format!("render scene.toml --view {view} --exposure 1.5 -q");
+        folder.run(&format!("{line} --aov light -o layers.exr")).done();
+        folder.run(&format!("{line} -o plain.png")).done();
+        folder.run("relight layers.exr -o mixed.png -q").done();
+        assert!(codes("mixed.png") == codes("plain.png"), "{view}");
+        folder.run("compare layers.exr plain.png").done();
+        folder.run("compare plain.png layers.exr").done();
+    }
 }

@@ -59,6 +59,30 @@ fn a_model_is_shown_in_a_studio() {
     assert_eq!((json["triangles"].as_u64(), json["lights"].as_u64()), (Some(4), Some(2)));
 }
 
+/// The studio and the looks choose for themselves only what was not chosen.
+#[test]
+fn what_is_set_stays_as_it_is_set() {
+    let folder = folder();
+    let shiny = format!("mtllib s.mtl\nusemtl s\n{MODEL}");
+    folder.write("s.obj", &shiny);
+    folder.write("s.mtl", "newmtl s\nKd 0.5 0.5 0.5\nKs 0.5 0.5 0.5\nNs 200\n");
+    let usual = picture(&folder, "s.obj");
+    for set in ["integrator=direct", "integrator.path.bounces=0"] {
+        assert!(picture(&folder, &format!("s.obj -D {set}")) != usual, "{set}");
+    }
+    let set = picture(&folder, "s.obj --ground off -D background=navy");
+    assert!(set == picture(&folder, "s.obj --ground off --background navy"));
+    let clear = picture(&folder, "s.obj --look clarity");
+    for set in ["film.exposure=-1", "film.view=raw"] {
+        assert!(picture(&folder, &format!("s.obj --look clarity -D {set}")) != clear, "{set}");
+    }
+    folder.write("a.toml", "look = \"real\"\nmodels.m.file = \"s.obj\"\n");
+    for line in ["s.obj --look real", "a.toml"] {
+        let ran = folder.run(&format!("render {line} -D integrator=direct"));
+        ran.fails(2, &["-D integrator=direct: the look chooses the integrator"]);
+    }
+}
+
 #[test]
 fn up_and_unit_reach_a_model_of_any_name() {
     let folder = folder();

@@ -40,6 +40,11 @@ impl View {
         Self::NAMES.iter().find(|(_, view)| *view == self).map_or("srgb", |(name, _)| name)
     }
 
+    /// The view of that name, if there is one.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::NAMES.iter().find(|(known, _)| *known == name).map(|(_, view)| *view)
+    }
+
     /// Linear display values 0..1 of exposed light; NaN becomes 0.
     pub fn display(self, light: Rgb) -> Rgb {
         let light = light.map(|channel| if channel > 0.0 { channel.min(1e6) } else { 0.0 });

@@ -226,7 +226,8 @@ pub(super) fn attributes(develop: Develop, metadata: &Metadata) -> LayerAttribut
         ..LayerAttributes::default()
     };
     let exposure = AttributeValue::F32(develop.exposure_ev);
-    attributes.other.insert(utf8("exposureEV"), exposure);
+    let view = AttributeValue::Text(utf8(develop.view.name()));
+    attributes.other.extend([(utf8("exposureEV"), exposure), (utf8("viewTransform"), view)]);
     attributes
 }
 

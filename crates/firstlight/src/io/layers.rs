@@ -6,6 +6,7 @@ use super::exr::{attributes, check_blocks, first_layer, plane, to_file, utf8};
 use super::pixels::{Input, guarded, unreadable};
 use super::save::{Develop, Metadata, Precision};
 use crate::Image;
+use crate::color::View;
 use crate::diagnostic::{Diagnostic, Result};
 use crate::layers::{Channel, Plane};
 use exr::prelude::{AnyChannel, AttributeValue, FlatSamples, MetaData, Vec2};
@@ -54,6 +55,8 @@ pub struct LayerFile {
     pub channels: Vec<Channel>,
     /// Stops of exposure that it is meant to be shown with.
     pub exposure_ev: Option<f32>,
+    /// What is then made of light that is brighter than white.
+    pub view: Option<View>,
     /// Lumens per watt that its scene was reckoned with.
     pub luminous_efficacy: Option<f64>,
 }
@@ -108,10 +111,12 @@ fn decode(input: &Input) -> Result<LayerFile> {
         Some(AttributeValue::F32(ev)) => Some(*ev),
         _ => None,
     };
-    let luminous_efficacy = match attribute(EFFICACY) {
-        Some(AttributeValue::Text(text)) => text.to_string().parse().ok(),
+    let text = |name: &str| match attribute(name) {
+        Some(AttributeValue::Text(text)) => Some(text.to_string()),
         _ => None,
     };
+    let view = text("viewTransform").and_then(|name| View::from_name(&name));
+    let luminous_efficacy = text(EFFICACY).and_then(|number| number.parse().ok());
     let channel = |channel: AnyChannel<FlatSamples>| Channel {
         name: String::from_utf8_lossy(channel.name.as_slice()).into_owned(),
         plane: match channel.sample_data {
@@ -126,6 +131,7 @@ fn decode(input: &Input) -> Result<LayerFile> {
         height: layer.size.1 as u32,
         channels: layer.channel_data.list.into_iter().map(channel).collect(),
         exposure_ev,
+        view,
         luminous_efficacy,
     })
 }

@@ -2,7 +2,6 @@
 
 use super::access::{read_file, shown};
 use super::{Limits, layers, load_image, part};
-use crate::color::View;
 use crate::compare::{Holds, Measured};
 use crate::diagnostic::Result;
 use std::path::Path;
@@ -24,7 +23,8 @@ pub fn load_measured(path: &Path, limits: &Limits) -> Result<Measured> {
         let layers = layers::load_layers(path, limits)?;
         let variance = layers.rgb("variance");
         let variance = variance.map(|variance| variance.into_iter().map(of_luminance).collect());
-        let holds = Holds::Radiance { exposure_ev: layers.exposure_ev, view: View::default() };
+        let (exposure_ev, view) = (layers.exposure_ev, layers.view.unwrap_or_default());
+        let holds = Holds::Radiance { exposure_ev, view };
         return Ok(Measured { image, variance, holds });
     }
     let is_linear = bytes.starts_with(b"#?") || bytes.starts_with(b"P");

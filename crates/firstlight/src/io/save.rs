@@ -126,7 +126,7 @@ impl Metadata {
 }
 
 /// Encodes a picture. Only PNG is developed; the other formats keep linear radiance, and EXR notes the exposure
-/// in its attribute `exposureEV`. NaN is never written, it becomes 0; infinities become the largest number.
+/// and the view in its attributes `exposureEV` and `viewTransform`. NaN is never written, it becomes 0; infinities become the largest number.
 ///
 /// # Errors
 /// If the picture has no pixels or is too large for the format.
@@ -285,8 +285,9 @@ mod tests {
         let comments = attributes.comments.as_ref().unwrap().as_slice();
         assert_eq!(comments, "Scene: Küche.toml\n\n\nSeed: 7".as_bytes());
         assert_eq!(attributes.software_name.as_ref().unwrap().to_string(), "firstlight");
-        let exposure = attributes.other.iter().next().unwrap();
-        assert_eq!(exposure.0.to_string(), "exposureEV");
+        let mut others: Vec<_> = attributes.other.keys().map(ToString::to_string).collect();
+        others.sort();
+        assert_eq!(others, ["exposureEV", "viewTransform"]);
         assert!(meta.headers[0].shared_attributes.chromaticities.is_some());
         let hdr = save(&image, Format::Hdr, develop, &metadata).unwrap();
         let header = "#?RADIANCE\n# Software: firstlight\n# Scene: Küche.toml  \n# Seed: 7\nFORMAT";

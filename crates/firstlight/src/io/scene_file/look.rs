@@ -1,6 +1,7 @@
 //! `look` and `section`: what the picture is for.
 
 use super::document::{At, Document};
+use super::overrides::Override;
 use crate::Look;
 use crate::diagnostic::Result;
 use crate::scene::description::{SceneDescription, Section};
@@ -48,8 +49,31 @@ pub(super) fn apply(
         LookName::Balanced => Look::Balanced,
         LookName::Real => Look::Real,
     });
-    if let Some(look) = look {
-        look.apply(scene, section);
+    look.map_or(Ok(()), |look| apply_look(look, section, document.overrides, scene))
+}
+
+/// Makes `scene` look so, and leaves to its film what `overrides` set of it.
+///
+/// # Errors
+/// If one of them sets the integrator, which is the look's to choose.
+pub fn apply_look(
+    look: Look,
+    section: Option<Section>,
+    overrides: &[Override],
+    scene: &mut SceneDescription,
+) -> Result<()> {
+    let setter = |keys: &[&str]| overrides.iter().find(|set| set.sets(keys));
+    if let Some(set) = setter(&["integrator"]) {
+        let error = set.error("the look chooses the integrator");
+        return Err(Box::new(error.help("leave out one of the two")));
+    }
+    let (exposure, view) = (scene.film.exposure, scene.film.view);
+    look.apply(scene, section);
+    if setter(&["film", "exposure"]).is_some() {
+        scene.film.exposure = exposure;
+    }
+    if setter(&["film", "view"]).is_some() {
+        scene.film.view = view;
     }
     Ok(())
 }

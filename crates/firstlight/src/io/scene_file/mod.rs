@@ -26,6 +26,7 @@ mod surface;
 mod tests;
 mod transform;
 
+pub use look::apply_look;
 pub use overrides::Override;
 
 use self::color::Color;

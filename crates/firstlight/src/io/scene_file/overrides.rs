@@ -59,6 +59,11 @@ impl Override {
         self.keys.iter().map(|(key, _)| key.as_str())
     }
 
+    /// Whether it sets what stands under these keys, or a part of it.
+    pub fn sets(&self, keys: &[&str]) -> bool {
+        self.path().zip(keys).all(|(own, key)| own == *key)
+    }
+
     /// Sets the value in the table `root`; spans are those in the override's text plus `offset`.
     pub(super) fn apply<'a>(
         &'a self,
@@ -145,8 +150,12 @@ impl Override {
         Place { file, ..Place::default() }
     }
 
-    fn error(&self, message: String) -> Box<Diagnostic> {
-        Box::new(Diagnostic { message, place: self.place(), ..Diagnostic::default() })
+    pub(super) fn error(&self, message: impl Into<String>) -> Box<Diagnostic> {
+        Box::new(Diagnostic {
+            message: message.into(),
+            place: self.place(),
+            ..Diagnostic::default()
+        })
     }
 }
 
