@@ -2,7 +2,7 @@
 
 use super::{Doctor, finding, named, percent};
 use crate::diagnostic::Diagnostic;
-use crate::scene::description::{CameraDescription, Projection};
+use crate::scene::description::{CameraDescription, Projection, Shape};
 use crate::units;
 use glam::DVec3;
 use std::collections::BTreeSet;
@@ -11,6 +11,10 @@ use std::collections::BTreeSet;
 const FIELDS: [f64; 2] = [1.5, 160.0];
 /// The part of the picture's height that all surfaces together should fill.
 const SMALLEST: f64 = 0.01;
+/// The part of all vertices that may be far outside on either side of an axis.
+const STRAY: f64 = 0.12;
+/// Vertices that are looked at.
+const FEW_VERTICES: usize = 1 << 14;
 /// The part of the picture's height over which a point may be spread by the lens.
 const BLURRED: f64 = 0.05;
 
@@ -50,27 +54,47 @@ impl Doctor<'_> {
         self.is_endless() || self.boxes.iter().flatten().any(beyond)
     }
 
-    /// A camera from which all surfaces together are a dot.
-    fn is_far(&self, camera: &CameraDescription) -> Option<Diagnostic> {
-        let [lo, hi] = self.bounds().filter(|_| !self.is_endless())?;
-        let (size, distance) =
-            ((hi - lo).length(), camera.position.distance(0.5 * (lo + hi)).max(1e-12));
-        let height = match camera.projection {
-            Projection::Orthographic { height } => height,
-            Projection::Perspective { vertical_fov }
-            | Projection::ThinLens { vertical_fov, .. } => {
-                2.0 * distance * (0.5 * vertical_fov).tan()
-            }
-        };
-        (size < SMALLEST * height && size > 0.0).then(|| {
-            let (part, size) = (percent(size / height), units::format(size, "m"));
-            let message = format!(
-                "all surfaces together are {size} across, which is {part} of the picture's height from {} away",
-                units::format(distance, "m")
-            );
-            finding("camera-far", named("camera", &camera.name), message)
-                .help("are the lengths of camera and models in the same unit? --camera frame shows everything")
-        })
+    /// A camera from which all surfaces together, or nearly all triangles, are a dot.
+    pub(super) fn is_far(&self, camera: &CameraDescription) -> Option<Diagnostic> {
+        let all = self.bounds().filter(|_| !self.is_endless())?;
+        let place = || named("camera", &camera.name);
+        if let Some(dot) = dot(camera, all) {
+            let message = format!("all surfaces together are {dot}");
+            return Some(finding("camera-far", place(), message)
+                .help("are the lengths of camera and models in the same unit? --camera frame shows everything"));
+        }
+        let dot = dot(camera, self.most_vertices()?)?;
+        let [lo, hi] = all;
+        let size = units::format((hi - lo).length(), "m");
+        let message = format!(
+            "most triangles together are {dot}; a few stray ones make the scene {size} across"
+        );
+        Some(finding("camera-far", place(), message)
+            .help("delete the stray ones in the program it was made with, or bring the camera near the others"))
+    }
+
+    /// A box around all vertices of meshes, from some of them, but for the outermost on both sides of each axis.
+    fn most_vertices(&self) -> Option<[DVec3; 2]> {
+        let surfaces = self.description.surfaces.iter();
+        let meshes = surfaces.filter_map(|surface| match surface.shape {
+            Shape::Mesh(mesh) => Some((&self.description.meshes[mesh], surface.transform)),
+            _ => None,
+        });
+        let count: usize = meshes.clone().map(|(mesh, _)| mesh.positions.len()).sum();
+        let vertices: Vec<DVec3> = meshes
+            .flat_map(|(mesh, to_world)| {
+                mesh.positions.iter().map(move |p| to_world.transform_point3(p.as_dvec3()))
+            })
+            .step_by(count.div_ceil(FEW_VERTICES).max(1))
+            .collect();
+        let outermost = (STRAY * vertices.len() as f64).ceil() as usize;
+        let last = vertices.len().checked_sub(1 + outermost).filter(|last| *last > outermost)?;
+        let ends = [0, 1, 2].map(|axis: usize| {
+            let mut along: Vec<f64> = vertices.iter().map(|vertex| vertex[axis]).collect();
+            along.sort_unstable_by(f64::total_cmp);
+            [along[outermost], along[last]]
+        });
+        Some([0, 1].map(|end| DVec3::from_array(ends.map(|axis: [f64; 2]| axis[end]))))
     }
 
     /// A lens that is set to a distance at which there is nothing.
@@ -98,6 +122,26 @@ impl Doctor<'_> {
                 .help(format!("set focus_distance = {:.3}, or a smaller aperture", middle))
         })
     }
+}
+
+/// What a camera sees of a box, in words, if that is next to nothing of the picture.
+fn dot(camera: &CameraDescription, [lo, hi]: [DVec3; 2]) -> Option<String> {
+    let (size, distance) =
+        ((hi - lo).length(), camera.position.distance(0.5 * (lo + hi)).max(1e-12));
+    let height = match camera.projection {
+        Projection::Orthographic { height } => height,
+        Projection::Perspective { vertical_fov } | Projection::ThinLens { vertical_fov, .. } => {
+            2.0 * distance * (0.5 * vertical_fov).tan()
+        }
+    };
+    (size < SMALLEST * height && size > 0.0).then(|| {
+        format!(
+            "{} across, which is {} of the picture's height from {} away",
+            units::format(size, "m"),
+            percent(size / height),
+            units::format(distance, "m")
+        )
+    })
 }
 
 /// A field of view that nobody wants.

@@ -64,6 +64,12 @@ impl Doctor<'_> {
                 part => format!("{} of the shadow rays hit", percent(part)),
             };
             let name = self.quoted(*surface);
+            if self.is_looked_through(*surface) {
+                return (
+                    format!(": {part} {name}, through whose back the camera looks in"),
+                    format!("use light that comes with the camera: {}", self.light_at_the_eye()),
+                );
+            }
             (
                 format!(": {part} {name}"),
                 format!("move {name} or the lights, or let light through it"),
@@ -112,6 +118,14 @@ impl Doctor<'_> {
         let length = self.probes.rays[point.probe].hit.t;
         let passes = self.description.medium.map(|medium| medium.transmittance(length));
         passes.is_some_and(|passes| passes.max_element() < NOTHING)
+    }
+
+    /// What lights whatever the camera sees.
+    fn light_at_the_eye(&self) -> &'static str {
+        match self.description.ground {
+            Some(_) => "--headlight 1, or --look clarity",
+            None => "-D lights.head.camera.irradiance=3, or --look clarity",
+        }
     }
 
     fn the_other_side(&self) -> String {

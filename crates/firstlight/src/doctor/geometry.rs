@@ -128,13 +128,13 @@ impl Doctor<'_> {
     /// One-sided surfaces that the camera sees from behind, with nothing beyond, or that are inside out.
     fn seen_from_behind(&self, care: Care) -> Option<Diagnostic> {
         let mut counts = BTreeMap::<u32, [u32; 2]>::new();
-        let there = self.probes.rays.iter().filter(|probe| probe.first.is_some());
+        let there = self.probes.rays.iter().filter(|probe| self.probes.counts(&probe.first));
         let mut all = 0;
         for probe in there {
             let [through, into_nothing] = counts.entry(probe.first.surface).or_default();
-            let passed = probe.first != probe.hit && self.scene.material(&probe.first).visible;
+            let passed = self.passes(probe);
             *through += u32::from(passed);
-            *into_nothing += u32::from(passed && !probe.hit.is_some());
+            *into_nothing += u32::from(passed && !self.probes.counts(&probe.hit));
             all += 1;
         }
         let lost: u32 = counts.values().map(|[_, lost]| lost).sum();
@@ -166,6 +166,16 @@ impl Doctor<'_> {
             }
         };
         Some(finding("seen-from-behind", self.surface(surface), message).help(help))
+    }
+
+    /// Whether the camera looks through the back of the first surface that a ray comes to.
+    fn passes(&self, probe: &Probe) -> bool {
+        probe.first != probe.hit && self.scene.material(&probe.first).visible
+    }
+
+    /// Whether the camera looks through the back of a surface.
+    pub(super) fn is_looked_through(&self, surface: u32) -> bool {
+        self.probes.rays.iter().any(|probe| probe.first.surface == surface && self.passes(probe))
     }
 
     /// Whether a closed mesh faces inwards, and is no room that one looks into.

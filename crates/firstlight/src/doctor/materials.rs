@@ -5,18 +5,26 @@ use crate::diagnostic::Diagnostic;
 use crate::scene::description::{
     Alpha, Material, Pattern, Scattering, SceneDescription, Texels, Texture,
 };
+use std::collections::BTreeSet;
 
 /// Rounding of colours that were converted.
 const ROUNDING: f32 = 1e-3;
 
 /// Everything that is odd about the materials that surfaces have.
 pub(super) fn examine(scene: &SceneDescription, care: Care) -> Vec<Diagnostic> {
-    let mut used = vec![false; scene.materials.len()];
-    scene.surfaces.iter().for_each(|surface| used[surface.material] = true);
-    let materials = || scene.materials.iter().zip(&used).filter(|(_, used)| **used).map(|(m, _)| m);
-    let bright = materials().filter_map(|material| too_bright(scene, material, care));
-    let gone = materials().filter_map(|material| invisible(scene, material, care));
-    bright.chain(gone).collect()
+    let bright = used(scene).into_iter().filter_map(|material| too_bright(scene, material, care));
+    bright.chain(gone(scene, care)).collect()
+}
+
+/// Those that are nowhere there.
+pub(super) fn gone(scene: &SceneDescription, care: Care) -> impl Iterator<Item = Diagnostic> {
+    used(scene).into_iter().filter_map(move |material| invisible(scene, material, care))
+}
+
+/// The materials that surfaces have.
+fn used(scene: &SceneDescription) -> Vec<&Material> {
+    let numbers: BTreeSet<usize> = scene.surfaces.iter().map(|surface| surface.material).collect();
+    numbers.into_iter().map(|number| &scene.materials[number]).collect()
 }
 
 fn too_bright(scene: &SceneDescription, material: &Material, care: Care) -> Option<Diagnostic> {

@@ -93,7 +93,12 @@ pub struct Doctor<'a> {
 impl<'a> Doctor<'a> {
     /// For `scene`, which was built from `description`. Sends out a few hundred rays.
     pub fn new(description: &'a SceneDescription, scene: &'a Scene) -> Self {
-        Self { description, scene, probes: Probes::send(scene), boxes: boxes(description, scene) }
+        Self {
+            description,
+            scene,
+            probes: Probes::send(scene, description.ground.map(|ground| ground as u32)),
+            boxes: boxes(description, scene),
+        }
     }
 
     /// A box around all surfaces that have an end.
@@ -101,9 +106,11 @@ impl<'a> Doctor<'a> {
         self.boxes.iter().flatten().copied().reduce(|[a, b], [lo, hi]| [a.min(lo), b.max(hi)])
     }
 
-    /// Whether there is an infinite plane.
+    /// Whether there is an infinite plane besides a studio's ground.
     fn is_endless(&self) -> bool {
-        self.description.surfaces.iter().any(|surface| matches!(surface.shape, Shape::Plane(_)))
+        let surfaces = self.description.surfaces.iter().enumerate();
+        let mut own = surfaces.filter(|(number, _)| Some(*number) != self.description.ground);
+        own.any(|(_, surface)| matches!(surface.shape, Shape::Plane(_)))
     }
 
     /// Whether a light, or a surface that is one, is in the box around a surface.

@@ -1,7 +1,7 @@
 //! The picture, judged by what was measured.
 
 use super::probes::Witness;
-use super::{Doctor, percent};
+use super::{Care, Doctor, materials, percent};
 use crate::color::{Rgb, View, srgb_code8};
 use crate::diagnostic::Diagnostic;
 use crate::film::{Noise, auto_exposure};
@@ -14,6 +14,8 @@ const CLIPPED: f64 = 0.05;
 const WHITE: f32 = 1.01;
 /// The part of what the camera sees that may be black without a word.
 const BLACK: f64 = 0.9;
+/// The same of a model in the studio, where nobody has chosen the light.
+const BLACK_IN_STUDIO: f64 = 0.7;
 /// Stops by which a picture may be too dark without a word.
 const STOPS: f64 = 5.0;
 /// Relative noise from which on more samples are recommended.
@@ -62,8 +64,11 @@ impl Doctor<'_> {
         if rendered.samples == 0 || told {
             return None;
         }
-        if rendered.surface_rays == 0 {
-            return Some(self.sees_nothing());
+        let in_studio = self.description.ground.is_some();
+        if rendered.surface_rays == 0 || (in_studio && !self.probes.any_seen(self.scene)) {
+            // From where all is a dot, that has been told.
+            let far = self.description.cameras.first().is_some_and(|c| self.is_far(c).is_some());
+            return (!far).then(|| self.sees_nothing());
         }
         let black = |message: String| Diagnostic::new("", message).code("picture-black");
         if rendered.brightest <= 0.0 {
@@ -84,9 +89,17 @@ impl Doctor<'_> {
         self.partly_black(shown).or_else(|| self.underexposed(shown))
     }
 
-    /// Nothing is in front of the camera; where everything is instead.
+    /// Nothing is in front of the camera; where everything is instead, if it is anywhere.
     fn sees_nothing(&self) -> Diagnostic {
-        let message = "nothing is in front of the camera: all is background";
+        if let Some(gone) = materials::gone(self.description, Care::Thorough).next() {
+            return gone;
+        }
+        let message = match self.description.ground {
+            None => "nothing is in front of the camera: all is background",
+            Some(_) => {
+                "nothing of the model is in front of the camera: all is ground and background"
+            }
+        };
         let error = Diagnostic::new("", message).code("camera-sees-nothing");
         let camera = self.description.cameras.first().zip(self.bounds());
         let angle = camera.and_then(|(camera, [lo, hi])| {
@@ -117,23 +130,29 @@ impl Doctor<'_> {
         };
         let black: Vec<_> = self.probes.seen().filter(is_black).collect();
         let part = black.len() as f64 / self.probes.seen().count().max(1) as f64;
-        if part < BLACK {
+        let allowed = if self.description.ground.is_some() { BLACK_IN_STUDIO } else { BLACK };
+        if part < allowed {
             return None;
         }
         let pixels = image.pixels();
         let count = pixels.iter().filter(|p| shown.is_black(Rgb::new(p[0], p[1], p[2]), view));
-        let pixels = percent(count.count() as f64 / pixels.len() as f64);
+        let dark = match self.description.ground {
+            None => {
+                format!("{} of the pixels are", percent(count.count() as f64 / pixels.len() as f64))
+            }
+            Some(_) => format!("{} of what is seen of the model is", percent(part)),
+        };
         let sky = self.scene.environment.is_some() && self.probes.escaped > 0;
         if sky && self.description.lights.is_empty() {
             let samples = shown.rendered.samples;
             let message = format!(
-                "{pixels} of the pixels are black: after {samples} samples, they have not found the environment"
+                "{dark} black: after {samples} samples, they have not found the environment"
             );
             let help = "take more: --spp, or --noise 5%, which stops when it is there";
             return Some(Diagnostic::new("", message).help(help).code("noise"));
         }
         let (why, help) = self.why_dark(&black);
-        let message = format!("{pixels} of the pixels are black{why}");
+        let message = format!("{dark} black{why}");
         Some(Diagnostic::new("", message).code("picture-black").help(help))
     }
 

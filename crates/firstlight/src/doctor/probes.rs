@@ -10,6 +10,8 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 
 /// Rays of the camera, in the middle of the time that its shutter is open.
 const RAYS: u32 = 512;
+/// Those that look for what is small, if the others have met nothing.
+const MANY_RAYS: u32 = 1 << 15;
 /// Reflections by which light is looked for, at most.
 const REFLECTIONS: u32 = 4;
 
@@ -21,6 +23,8 @@ pub(super) struct Probes {
     pub witnesses: Vec<Witness>,
     /// Rays from witnesses that met nothing.
     pub escaped: u32,
+    /// Number of a studio's ground.
+    ground: Option<u32>,
 }
 
 /// A ray of the camera.
@@ -55,16 +59,20 @@ pub(super) struct Witness {
     pub probe: usize,
     /// Whether the camera sees it.
     pub seen: bool,
+    /// Whether it is a part of what is to be shown: a studio's ground is not.
+    pub counts: bool,
 }
 
 impl Probes {
-    /// Sends them out.
-    pub(super) fn send(scene: &Scene) -> Self {
-        let mut probes = Self { rays: rays(scene), witnesses: Vec::new(), escaped: 0 };
+    /// Sends them out. `ground` is no part of what is to be shown.
+    pub(super) fn send(scene: &Scene, ground: Option<u32>) -> Self {
+        let rays = rays(scene, RAYS);
+        let mut probes = Self { rays, witnesses: Vec::new(), escaped: 0, ground };
         let mut walks = Vec::new();
         for (number, probe) in probes.rays.iter().enumerate().filter(|(_, p)| p.hit.is_some()) {
             let point = scene.interaction(&probe.ray, &probe.hit);
-            walks.push((probe.ray, witness(scene, &point, number, true)));
+            let counts = probes.counts(&probe.hit);
+            walks.push((probe.ray, Witness { counts, ..witness(scene, &point, number, true) }));
         }
         let most = match scene.integrator {
             Integrator::Path { bounces } => bounces.unwrap_or(REFLECTIONS).min(REFLECTIONS),
@@ -86,17 +94,28 @@ impl Probes {
         probes
     }
 
-    /// What the camera sees.
+    /// What the camera sees of what is to be shown.
     pub(super) fn seen(&self) -> impl Iterator<Item = &Witness> {
-        self.witnesses.iter().take_while(|witness| witness.seen)
+        self.witnesses.iter().take_while(|witness| witness.seen).filter(|witness| witness.counts)
+    }
+
+    /// Whether a ray has met something that is to be shown.
+    pub(super) fn counts(&self, hit: &Hit) -> bool {
+        hit.is_some() && Some(hit.surface) != self.ground
+    }
+
+    /// Whether anything that is to be shown is in the picture, however small.
+    pub(super) fn any_seen(&self, scene: &Scene) -> bool {
+        let seen = |rays: &[Probe]| rays.iter().any(|probe| self.counts(&probe.hit));
+        seen(&self.rays) || seen(&rays(scene, MANY_RAYS))
     }
 }
 
-/// The camera's rays through a net of points.
-fn rays(scene: &Scene) -> Vec<Probe> {
+/// The camera's rays through a net of so many points.
+fn rays(scene: &Scene, count: u32) -> Vec<Probe> {
     let camera = scene.camera();
     let size = Vec2::new(camera.width() as f32, camera.height() as f32);
-    let films: Vec<Vec2> = (0..RAYS).map(Sampler::unscrambled).collect();
+    let films: Vec<Vec2> = (0..count).map(Sampler::unscrambled).collect();
     let rays: Vec<Ray> =
         films.iter().map(|film| camera.ray(*film * size, Vec2::ZERO, 0.5)).collect();
     let (mut hits, mut first) = (Vec::new(), Vec::new());
@@ -117,6 +136,7 @@ fn witness(scene: &Scene, point: &SurfaceInteraction, probe: usize, seen: bool) 
         passes_light: passes_light(scene, scene.material(&point.hit)),
         probe,
         seen,
+        counts: true,
     }
 }
 

@@ -11,6 +11,10 @@ use std::collections::BTreeMap;
 
 /// What no room is: scenes of at least this size may be in millimetres, m.
 const LARGE: f64 = 50.0;
+/// Towns and landscapes as they are, but parts, rooms and houses in millimetres, m.
+const HUGE: std::ops::Range<f64> = 500.0..100_000.0;
+/// What tells lengths.
+const UNIT: &str = "say in which unit the model is: --unit mm, or unit = \"mm\" in its [models.…]";
 /// Illuminance below which lights do not suit the size of a scene, and the range in which they do, lx.
 const DIM: f64 = 0.5;
 const USUAL: std::ops::Range<f64> = 1.0..1e6;
@@ -20,7 +24,21 @@ const MIXED: std::ops::Range<f64> = 200.0..50_000.0;
 impl Doctor<'_> {
     /// Everything that is odd about lengths.
     pub(super) fn sizes(&self) -> Vec<Diagnostic> {
-        self.millimetres().into_iter().chain(self.mixed()).collect()
+        let huge = self.millimetres().or_else(|| self.huge());
+        huge.into_iter().chain(self.mixed()).collect()
+    }
+
+    /// A model in a studio, whose light says nothing about its size, that is as large as a town.
+    fn huge(&self) -> Option<Diagnostic> {
+        self.description.ground?;
+        let size = self.bounds().map(|[lo, hi]| (hi - lo).max_element())?;
+        HUGE.contains(&size).then(|| {
+            let (now, then) = (units::format(size, "m"), units::format(1e-3 * size, "m"));
+            let message = format!(
+                "the model is {now} across; were its lengths millimetres, it would be {then}"
+            );
+            finding("size-millimetres", "lengths".into(), message).help(UNIT)
+        })
     }
 
     /// A scene so large that its lights do nothing, which would suit it in millimetres.
@@ -44,8 +62,7 @@ impl Doctor<'_> {
             let message = format!(
                 "the scene is {large} across, and its lights give what is seen {now} at most; were its lengths millimetres, that would be {small} and {then}"
             );
-            let help = "say in which unit the model is: --unit mm, or unit = \"mm\" in its [models.…]";
-            finding("size-millimetres", "lengths".into(), message).help(help)
+            finding("size-millimetres", "lengths".into(), message).help(UNIT)
         })
     }
 

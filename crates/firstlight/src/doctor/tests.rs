@@ -5,6 +5,7 @@ use crate::color::Rgb;
 use crate::diagnostic::Diagnostic;
 use crate::io::{FileAccess, Warnings, scene_file};
 use crate::render::{RenderOptions, render};
+use crate::scene::Studio;
 use crate::scene::description::*;
 use crate::{Scene, SceneDescription};
 use glam::{Vec2, Vec3};
@@ -96,6 +97,76 @@ fn a_healthy_scene_has_no_findings() {
     assert_eq!(findings(&read(&path)), []);
 }
 
+/// A model as the command line shows it, without the light at the camera.
+fn in_studio(text: &str) -> SceneDescription {
+    let mut scene = read(&format!("film = {{ resolution = [48, 32], samples = 4 }}\n{text}"));
+    Studio { headlight: None, ..Studio::default() }.dress(&mut scene);
+    scene
+}
+
+/// A house of one-sided walls whose fronts face out: the camera looks in through some of their backs, and they keep the
+/// light off all the same.
+fn house(half: f32, wind: impl Fn([u32; 3]) -> [u32; 3]) -> String {
+    let corner = |i: u32| [i & 1, i >> 1 & 1, i >> 2].map(|bit| (2.0 * bit as f32 - 1.0) * half);
+    let vertices: Vec<_> = (0..8).map(corner).collect();
+    let squares =
+        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let halves = squares.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]);
+    let triangles: Vec<_> = halves.map(wind).collect();
+    format!(
+        "[surfaces.house]\nmaterial = 'wall'\nmesh = {{ vertices = {vertices:?}, triangles = {triangles:?} }}
+        [materials.wall.lambert]\nreflectance = 0.5\ndouble_sided = false\n"
+    )
+}
+
+/// The studio's ground is no part of what is to be shown: it may be seen while the model is not.
+#[test]
+fn the_ground_of_the_studio_hides_nothing() {
+    let (whole, turned) = (|t| t, |[a, b, c]: [u32; 3]| [a, c, b]);
+    let healthy = in_studio(&house(1.0, whole));
+    assert_eq!(findings(&healthy), []);
+    let words = ["\"house\", through whose back the camera looks in", "--headlight 1"];
+    told_apart("picture-black", &words, &in_studio(&house(1.0, turned)), &healthy);
+    let black = house(1.0, whole).replace("reflectance = 0.5", "reflectance = 0");
+    let words = ["of what is seen of the model is black", "material \"wall\""];
+    told_apart("picture-black", &words, &in_studio(&black), &healthy);
+    let away = "camera.perspective = { position = [0, -5, 0], target = [0, -9, 0] }\n";
+    let away = in_studio(&format!("{away}{}", house(1.0, whole)));
+    told_apart("camera-sees-nothing", &["nothing of the model"], &away, &healthy);
+    let gone = house(1.0, whole).replace("reflectance = 0.5", "opacity = 0");
+    let found: Vec<_> = findings(&in_studio(&gone)).iter().map(|found| found.code).collect();
+    assert!(found.contains(&"material-invisible"), "{found:?}");
+    assert!(!found.contains(&"camera-sees-nothing"), "{found:?}");
+}
+
+#[test]
+fn models_as_large_as_towns_or_with_stray_triangles() {
+    let whole = |t| t;
+    let words = ["10 km", "10 m", "--unit mm"];
+    let model = |half| in_studio(&house(half, whole));
+    told_apart("size-millimetres", &words, &model(5000.0), &model(5.0));
+    let stray = |x: f32| {
+        let corners = format!("[[{x}, 0, 0], [{x}, 1, 0], [{x}, 0, 1]]");
+        let stray = format!("mesh = {{ vertices = {corners}, triangles = [[0, 1, 2]] }}");
+        in_studio(&format!("{}{}[surfaces.stray]\n{stray}\n", house(1.0, whole), more_of_it()))
+    };
+    told_apart("camera-far", &["a few stray ones", "delete"], &stray(5000.0), &stray(5.0));
+    not_in(&stray(5000.0), "camera-sees-nothing");
+}
+
+/// Two more of the house, of which three vertices are a small part.
+fn more_of_it() -> &'static str {
+    "[instances.more]\nof = 'house'\ntransform = [{ scale = 0.5 }]
+    [instances.again]\nof = 'house'\ntransform = [{ scale = 0.4 }]\n"
+}
+
+/// That a scene does not have this finding.
+#[track_caller]
+fn not_in(scene: &SceneDescription, code: &str) {
+    let found = findings(scene);
+    assert!(!found.iter().any(|finding| finding.code == code), "{found:#?}");
+}
+
 #[test]
 fn scenes_without_anything() {
     let unlit = SCENE.split("[lights").next().unwrap();
@@ -103,11 +174,9 @@ fn scenes_without_anything() {
     texts_told_apart("no-surfaces", &["background"], "[lights.a.ambient]\nradiance = 1", SCENE);
 }
 
-/// That a scene does not have this finding.
 #[track_caller]
 fn not_told(code: &str, text: &str) {
-    let found = findings(&read(text));
-    assert!(!found.iter().any(|finding| finding.code == code), "{found:#?}");
+    not_in(&read(text), code);
 }
 
 #[test]

@@ -179,7 +179,8 @@ impl Analytic {
     /// Crossings of the ray's line inside the ray's range, nearest first, as (distance, part); none for what is traced
     /// as triangles.
     pub(crate) fn crossings(&self, ray: &Ray) -> impl Iterator<Item = (f64, u32)> + use<> {
-        let (t_min, t_max) = (f64::from(ray.t_min), f64::from(ray.t_max));
+        // At infinity there is no surface: parallels of a plane do not meet it there.
+        let (t_min, t_max) = (f64::from(ray.t_min), f64::from(ray.t_max.min(f32::MAX)));
         let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         let crossings = if matches!(self.kind, Kind::Plane | Kind::Disk) {
             let t = -(self.height.dot(origin) + self.height_at_origin) / self.height.dot(direction);
@@ -631,6 +632,20 @@ mod tests {
                 assert!((area.length() - whole).abs() < 1e-6 * whole, "{:?}", shape.kind);
             }
         }
+    }
+
+    /// Parallels have no point in common, however large the quotient is: the sign of a zero decides about neither.
+    #[test]
+    fn parallels_of_a_plane_never_meet_it() {
+        let plane = Plane { point: DVec3::ZERO, normal: DVec3::Z };
+        let plane = Analytic::plane(&plane, &DAffine3::IDENTITY);
+        for direction in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y] {
+            for z in [0.0, -0.0, 1e-40, -1e-40] {
+                let ray = Ray::new(Vec3::Z, direction.with_z(z));
+                assert_eq!(plane.crossings(&ray).next(), None, "{direction} {z}");
+            }
+        }
+        assert!(nearest(&plane, &Ray::new(Vec3::Z, Vec3::new(1.0, 0.0, -1e-30))) > 9e29);
     }
 
     /// Closed shapes are entered as often as they are left, and their normals point out.

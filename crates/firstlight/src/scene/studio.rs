@@ -142,6 +142,7 @@ impl Studio {
         let (lowest, size) = (lowest(scene, self.up), size(scene));
         let height = lowest - GAP * size;
         scene.materials.push(Material::matte("ground", reflectance));
+        scene.ground = Some(scene.surfaces.len());
         scene.surfaces.push(Surface {
             name: "ground".into(),
             shape: Shape::Plane(Plane { point: height * self.up, normal: self.up }),

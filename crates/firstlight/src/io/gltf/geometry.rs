@@ -9,6 +9,9 @@ use crate::diagnostic::Result;
 use crate::scene::description::Mesh;
 use glam::{Vec2, Vec3};
 
+/// How far beyond 1 colours may be that were converted.
+const ROUNDING: f32 = 1e-3;
+
 /// How corners make triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Mode {
@@ -231,7 +234,7 @@ fn compact(corners: Vec<u32>, count: usize) -> (Option<Vec<u32>>, Vec<u32>) {
     (Some(kept), corners)
 }
 
-/// Makes every number finite, every normal a unit vector and every colour non-negative.
+/// Makes every number finite, every normal a unit vector and every colour 0 to 1, as glTF wants them clamped.
 fn tidy(mesh: &mut Mesh, part: &str, notes: &mut Notes) {
     drop_broken_triangles(mesh, part, notes);
     repair_normals(mesh, part, notes);
@@ -241,14 +244,18 @@ fn tidy(mesh: &mut Mesh, part: &str, notes: &mut Notes) {
         broken += 1;
     }
     notes.add_many(part, "texture coordinates are not finite numbers and were set to 0", broken);
-    let mut broken = 0;
+    let (mut broken, mut bright) = (0, 0);
     for channel in mesh.colors.as_flattened_mut() {
         if !(channel.is_finite() && *channel >= 0.0) {
             *channel = 1.0;
             broken += 1;
         }
+        bright += usize::from(*channel > 1.0 + ROUNDING);
+        *channel = channel.min(1.0);
     }
     notes.add_many(part, "vertex colours are negative or not finite and were set to 1", broken);
+    let message = "vertex colours are beyond 1, as of 0 to 255, and were set to 1";
+    notes.add_many(part, message, bright);
 }
 
 fn drop_broken_triangles(mesh: &mut Mesh, part: &str, notes: &mut Notes) {

@@ -139,6 +139,9 @@ impl MeshKeys {
         if let Some(At { span, value }) = &self.colors {
             same_length(span, value.len())?;
             mesh.colors = value.iter().map(|&color| color.into()).collect();
+            if mesh.colors.as_flattened().iter().any(|channel| *channel > 1.0) {
+                return Err(document.error(span, "needs colors of 0 to 1"));
+            }
         }
         if !mesh.uvs.iter().flatten().all(|uv| uv.is_finite()) {
             return Err(document.error(&self.vertices.span, "has texture coordinates out of range"));

@@ -544,6 +544,7 @@ fn what_is_out_of_range_is_refused() {
         "surfaces.a.mesh = { vertices = [[0, 0, 0]], triangles = [[0, 0]] }",
         "surfaces.a.mesh = { vertices = [[0, 0, 0]], triangles = [] }",
         "surfaces.a.mesh = { vertices = [[0, 0, 0]], triangles = [[0, 0, 0]], normals = [] }",
+        "surfaces.a.mesh = { vertices = [[0, 0, 0]], triangles = [[0, 0, 0]], colors = [[200, 1, 0]] }",
         "surfaces.a = { sphere = {}, transform = [{ scale = [1, 0, 1] }] }",
         "surfaces.a = { sphere = {}, transform = [{ matrix = [[1, 0, 0, 0], [2, 0, 0, 0], [0, 0, 1, 0]] }] }",
         "surfaces.a = { sphere = {}, transform = [{ scale = 1e15 }, { translate = [1e15, 0, 0] }, { scale = 10 }] }",

@@ -68,6 +68,8 @@ pub struct SceneDescription {
     pub surfaces: Vec<Surface>,
     /// Everything that gives light.
     pub lights: Vec<LightDescription>,
+    /// The surface that was laid under what is to be shown, and is no part of it: a studio's ground.
+    pub ground: Option<usize>,
 }
 
 /// The unit vector that points up.

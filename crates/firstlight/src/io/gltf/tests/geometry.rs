@@ -11,6 +11,22 @@ fn a_triangle_comes_through() {
     assert!(mesh.normals.is_empty() && mesh.uvs.is_empty() && mesh.colors.is_empty());
 }
 
+/// "All components of each COLOR_0 accessor element MUST be clamped" (glTF 2.0, 3.7.2.1); by how much is told.
+#[test]
+fn vertex_colours_go_up_to_one() {
+    let colored = |most: f32| {
+        let mut document = triangle();
+        let colors = floats(&[0.5, 0.25, most, 0.0, 0.5, 0.5, 0.5, 0.5, 0.5]);
+        let colors = add_accessor(&mut document, &colors, 5126, 3, "VEC3");
+        document["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(colors);
+        document
+    };
+    let (scene, _) = try_read(&colored(200.0));
+    assert_eq!(scene.unwrap().meshes[0].colors[0], [0.5, 0.25, 1.0, 1.0]);
+    assert!(warnings(&colored(200.0))[0].contains("as of 0 to 255"));
+    assert!(warnings(&colored(1.0)).is_empty());
+}
+
 #[test]
 fn without_indices_corners_follow_each_other() {
     let mut document = triangle();
