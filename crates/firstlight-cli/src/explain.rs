@@ -181,9 +181,16 @@ impl Text<'_> {
         writeln!(f, ": {}", verdict(&light.verdict))?;
         if light.irradiance != [0.0; 3] {
             let lux = units::format(light.illuminance, "lx");
+            let arrives = match light.verdict {
+                Verdict::Tinted { .. } => {
+                    format!(" before, {} after panes and fog", units::format(light.arriving, "lx"))
+                }
+                _ => " on the surface".into(),
+            };
+            let sampled = if light.sampled { ", for this sample" } else { "" };
             writeln!(
                 f,
-                "{:<12}   E = {} W/m² = {lux} on the surface",
+                "{:<12}   E = {} W/m² = {lux}{arrives}{sampled}",
                 "",
                 triple(light.irradiance)
             )?;

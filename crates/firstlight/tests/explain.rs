@@ -112,6 +112,47 @@ fn lights_that_give_nothing_say_why() {
     assert_eq!(lit, Verdict::Unshadowed);
 }
 
+/// What is said to arrive is what fog leaves, e^(−σ r) of it.
+#[test]
+fn fog_takes_from_what_arrives() {
+    let explanation = middle(BOARD, &["integrator=path", "medium={extinction=0.2, albedo=0}"]);
+    let key = explanation.path[0].lights.iter().find(|light| light.source == "key").unwrap();
+    let left = (-0.2 * f64::from(key.distance.unwrap())).exp();
+    assert!((key.arriving / (left * key.illuminance) - 1.0).abs() < 1e-5, "{key:?}");
+    assert!(!key.sampled);
+}
+
+/// The last line speaks of all samples: light that came by a mirror, and from all around, is not told as none.
+#[test]
+fn little_light_is_told_as_what_leaves() {
+    let sky = ["integrator=path", "environment.uniform.radiance=0.01", "film.samples=64"];
+    let off = [
+        "lights.key.point.intensity=0",
+        "lights.spot.spot.intensity=0",
+        "lights.below.directional.irradiance=0",
+    ];
+    let explanation = middle(BOARD, &[&sky[..], &off].concat());
+    // L = R times the sky's radiance.
+    let nit = explanation.luminance;
+    assert!((nit / (683.0 * 0.5 * 0.01) - 1.0).abs() < 0.05, "{nit}");
+    let text = explanation.cause.text;
+    let told: String = text.split("here, ").nth(1).unwrap().chars().take(3).collect();
+    assert!((told.parse::<f64>().unwrap() / nit - 1.0).abs() < 0.05, "{text}");
+}
+
+/// The reflectance that is printed is the one that was used, where textures are filtered: f = R/π.
+#[test]
+fn values_are_those_that_were_used() {
+    let checker = "materials.grey.lambert.reflectance={checker={colors=[0.9, 0.1], size=0.004}}";
+    let explanation = middle(BOARD, &[checker]);
+    let step = &explanation.path[0];
+    let key = step.lights.iter().find(|light| light.source == "key").unwrap();
+    let told = &step.met.as_ref().unwrap().values[0].value;
+    for (told, used) in told.iter().zip(key.bsdf) {
+        assert!((f64::from(*told) / (PI * f64::from(used)) - 1.0).abs() < 1e-4, "{told} {used}");
+    }
+}
+
 /// Lights with an extent that shine elsewhere: they are above the horizon.
 #[test]
 fn lights_of_some_size_that_shine_elsewhere_say_so() {
@@ -143,6 +184,7 @@ fn dark_pixels_have_causes() {
         (vec!["materials.grey.lambert.reflectance=0.01"], "black_surface"),
         (vec!["lights.key.point.intensity=0.001"], "weak_light"),
         (vec!["lights.key.point.intensity=5000"], "too_bright"),
+        (vec!["integrator=path", "medium={extinction=40, albedo=0}"], "medium"),
         (
             vec!["lights.key.point.position=[0, 0, -4]", "lights.spot.spot.intensity=0"],
             "faces_away",

@@ -107,6 +107,11 @@ pub struct Lighting {
     pub irradiance: [f32; 3],
     /// The same in lux.
     pub illuminance: f64,
+    /// What of it arrives, weakened by panes and fog or stopped by what is in the way, lx.
+    pub arriving: f64,
+    /// Whether this is what one sample stands for: of a light with an extent, or of one picked for many. It is weighted, as
+    /// rays that meet such lights by chance bring the rest.
+    pub sampled: bool,
     /// What the shadow ray says.
     pub verdict: Verdict,
     /// Value of the BSDF, sr⁻¹.
@@ -185,7 +190,7 @@ impl Board<'_> {
 
     fn step(&self, followed: &Followed) -> Step {
         let Followed { bounce, ray, hit, throughput, .. } = followed;
-        let point = hit.is_some().then(|| Point::new(self.scene, ray, hit));
+        let point = hit.is_some().then(|| Point::new(self.scene, ray, hit, *bounce));
         let met = point.as_ref().map(|point| self.met(point, *bounce, ray));
         let ended_in_fog = !hit.is_some() && ray.t_max.is_finite();
         let lights = match ended_in_fog || point.is_some() {
@@ -291,8 +296,9 @@ impl Board<'_> {
         let cos =
             |asked: &Asked| point.filter(|_| !everywhere).map(|point| point.cos(asked.incoming));
         let part = |asked: &Asked| cos(asked).map_or(if everywhere { PI } else { 1.0 }, f32::abs);
-        let on_surface = |asked: &&Asked| asked.irradiance * part(asked);
-        let irradiance: Vec3 = asked.iter().map(on_surface).sum();
+        let on_surface = |asked: &Asked| asked.irradiance * part(asked);
+        let irradiance: Vec3 = asked.iter().map(|asked| on_surface(asked)).sum();
+        let arriving: Vec3 = asked.iter().map(|asked| on_surface(asked) * asked.passed).sum();
         let radiance: Vec3 = asked.iter().map(|asked| asked.gain.radiance * asked.passed).sum();
         let distance = strongest.ray.filter(|_| !everywhere).map(|ray| ray.t_max);
         let distance = distance.filter(|distance| distance.is_finite());
@@ -304,12 +310,31 @@ impl Board<'_> {
             incoming: Some(strongest.incoming.to_array()),
             cos: cos(strongest),
             irradiance: irradiance.to_array(),
-            illuminance: photometric(irradiance, self.scene.luminous_efficacy().0),
+            illuminance: self.lux(irradiance),
+            arriving: self.lux(arriving),
+            sampled: self.is_sampled(source, strongest.gain.bounce),
             verdict: self.verdict(strongest),
             bsdf: (strongest.scattered / part(strongest).max(f32::MIN_POSITIVE)).to_array(),
             radiance: radiance.to_array(),
             share: self.share((source, strongest.gain.reflections)),
         }
+    }
+
+    /// Whether a light is asked at one place for all of it, or at all for others.
+    fn is_sampled(&self, source: Source, bounce: u32) -> bool {
+        let has_extent = match source {
+            Source::Surface(_) | Source::Environment => true,
+            Source::Light(number) => {
+                let Scene { round_numbers, sun_numbers, .. } = self.scene;
+                round_numbers.contains(&number) || sun_numbers.contains(&number)
+            }
+            _ => false,
+        };
+        has_extent || !Way::of(self.scene, false).asks_all(bounce)
+    }
+
+    fn lux(&self, irradiance: Vec3) -> f64 {
+        photometric(irradiance, self.scene.luminous_efficacy().0)
     }
 
     /// Whether a light has no place and no direction, but a sky of its own that near surfaces hide.
@@ -383,7 +408,9 @@ impl Board<'_> {
             incoming: sample.map(|sample| sample.incoming.to_array()),
             cos,
             irradiance: irradiance.to_array(),
-            illuminance: photometric(irradiance, self.scene.luminous_efficacy().0),
+            illuminance: self.lux(irradiance),
+            arriving: 0.0,
+            sampled: false,
             verdict,
             bsdf: [0.0; 3],
             radiance: [0.0; 3],
@@ -399,8 +426,12 @@ struct Point {
 }
 
 impl Point {
-    fn new(scene: &Scene, ray: &Ray, hit: &Hit) -> Self {
-        let (at, material) = (scene.interaction(ray, hit), scene.material(hit));
+    fn new(scene: &Scene, ray: &Ray, hit: &Hit, bounce: u32) -> Self {
+        let (mut at, material) = (scene.interaction(ray, hit), scene.material(hit));
+        if bounce == 0 {
+            // Textures are read as the render reads them: filtered over what the camera's ray stands for.
+            at.seen_width = scene.cone.after(hit.t).width;
+        }
         let boundary = scene.boundary_from_air(material, &at);
         let (frame, _) = scene.add_lobes(material, &at, -ray.direction, boundary, &mut Vec::new());
         Self { at, normal: frame.normal() }

@@ -13,6 +13,8 @@ const DARK: u8 = 40;
 const BLACK_REFLECTANCE: f32 = 0.03;
 /// What stands in the way of this many times the light that arrives is the cause of the dark.
 const MUCH: f64 = 1.0;
+/// The part of light that might as well be none.
+const NOTHING: f32 = 1e-4;
 /// A blocker that is the surface itself and nearer than this part of the distance from the eye is no blocker but a
 /// rounding error.
 const ITSELF: f64 = 1e-4;
@@ -21,7 +23,7 @@ const ITSELF: f64 = 1e-4;
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Cause {
     /// One word for it, for programs: background, emission, no_light, blocked, acne, faces_away, outside_beam, black_surface,
-    /// weak_light, too_bright, lit.
+    /// medium, weak_light, too_bright, lit.
     pub kind: &'static str,
     /// A sentence.
     pub text: String,
@@ -33,6 +35,8 @@ pub(super) struct Evidence<'a> {
     pub shadows: &'a [Shadow],
     pub path: &'a [Step],
     pub shown: &'a Shown,
+    /// The pixel's luminance, cd·m⁻².
+    pub luminance: f64,
 }
 
 pub(super) fn cause(evidence: &Evidence<'_>) -> Cause {
@@ -144,21 +148,34 @@ impl Evidence<'_> {
     }
 
     fn weak(&self, lights: &[Lighting]) -> Cause {
-        let lux: f64 = lights.iter().map(|light| light.illuminance).sum();
         let seen: f64 = self.terms.iter().map(|term| luminance_of(term.radiance)).sum();
-        let arriving = units::format(lux, "lx");
-        let text = match seen > 0.0 {
-            true => {
-                let stops = (0.2 / seen).log2();
-                format!(
-                    "dark because little light arrives, {arriving}; --exposure {stops:.1} would show it"
-                )
-            }
-            false => format!(
-                "dark because nothing of the light that arrives, {arriving}, is sent to the eye"
-            ),
+        if seen > 0.0 {
+            let (stops, leaves) = ((0.2 / seen).log2(), units::format(self.luminance, "nit"));
+            let text = format!(
+                "dark because little light comes from here, {leaves}; --exposure {stops:.1} would show it"
+            );
+            return Cause { kind: "weak_light", text };
+        }
+        self.eaten(lights).unwrap_or_else(|| {
+            let text = "dark because nothing of the light that arrives is sent to the eye".into();
+            Cause { kind: "weak_light", text }
+        })
+    }
+
+    /// Dark because what fills the space takes the light, on its way from the lights or to the eye.
+    fn eaten(&self, lights: &[Lighting]) -> Option<Cause> {
+        let takes = |part: &[f32]| most(part) < NOTHING;
+        let before = lights.iter().find_map(|light| match &light.verdict {
+            Verdict::Tinted { passed } if takes(passed) => Some(&light.source),
+            _ => None,
+        });
+        let to_the_eye = self.path.first().is_some_and(|step| takes(&step.throughput));
+        let way = match before {
+            _ if to_the_eye => "on its way to the eye".into(),
+            source => format!("of '{}' on its way here", source?),
         };
-        Cause { kind: "weak_light", text }
+        let text = format!("dark because panes, fog or smoke take all light {way}");
+        Some(Cause { kind: "medium", text })
     }
 
     fn too_bright(&self) -> Cause {

@@ -18,6 +18,7 @@ use crate::layers::sources;
 use crate::render::replay;
 use crate::scene::Scene;
 use crate::scene::description::SceneDescription;
+use crate::units::photometric;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use sums::Sums;
@@ -96,18 +97,20 @@ pub fn explain(
     let path = board::follow(scene, description, pixel, sample, &terms);
     let shadows = sums.shadows(description);
     let shown = Shown::new(radiance, exposure_ev, scene.film().view);
+    let luminance = photometric(radiance.into(), scene.luminous_efficacy().0);
     let cause = cause::cause(&cause::Evidence {
         terms: &terms,
         shadows: &shadows,
         path: &path,
         shown: &shown,
+        luminance,
     });
     Explanation {
         pixel,
         samples: scene.film().samples,
         radiance,
         alpha,
-        luminance: crate::units::photometric(radiance.into(), scene.luminous_efficacy().0),
+        luminance,
         terms,
         shadows,
         sample,
