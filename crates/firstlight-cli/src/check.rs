@@ -43,7 +43,8 @@ fn findings(mut scene: SceneDescription, level: Level, threads: usize) -> Vec<Di
     let picture = Picture::new(rendered, stops, scene.film.view, format);
     // A few samples say nothing about the noise of the picture to come.
     let mut found = doctor.examine(Care::Thorough);
-    found.extend(doctor.judge(&verdict::shown(&picture, None)));
+    let judged = doctor.judge(&verdict::shown(&picture, None));
+    found.extend(judged.into_iter().filter(|finding| !found.contains(finding)).collect::<Vec<_>>());
     found
 }
 

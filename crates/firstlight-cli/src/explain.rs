@@ -273,6 +273,7 @@ fn verdict(verdict: &Verdict) -> String {
             format!("blocked by '{}' after {away}, at {}", visible(by), triple(*at))
         }
         Verdict::FacesAway => "behind the surface, which faces away from it".into(),
+        Verdict::InsideOfIt => "this is inside of its sphere, where it gives nothing".into(),
         Verdict::OutsideBeam => "does not shine this way".into(),
         Verdict::NotScattered => "nothing of it is scattered this way".into(),
         Verdict::NotAsked => "not asked: another one was, for all".into(),

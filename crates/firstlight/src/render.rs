@@ -449,7 +449,7 @@ impl Keeper for LightTile {
             .zip(worker.gatherer.samples(render.scene))
             .map(|((pixel, &weight), sample)| Taken { pixel, weight, sample: *sample })
             .collect();
-        self.add(&samples, &record);
+        self.add(render.scene, &samples, &record);
     }
 }
 

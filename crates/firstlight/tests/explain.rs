@@ -184,6 +184,14 @@ fn dark_pixels_have_causes() {
         (vec!["materials.grey.lambert.reflectance=0.01"], "black_surface"),
         (vec!["lights.key.point.intensity=0.001"], "weak_light"),
         (vec!["lights.key.point.intensity=5000"], "too_bright"),
+        (
+            vec![
+                "lights.key.point.radius=9",
+                "lights.spot.spot.intensity=0",
+                "lights.below.directional.irradiance=0",
+            ],
+            "inside_light",
+        ),
         (vec!["integrator=path", "medium={extinction=40, albedo=0}"], "medium"),
         (
             vec!["lights.key.point.position=[0, 0, -4]", "lights.spot.spot.intensity=0"],

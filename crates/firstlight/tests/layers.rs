@@ -232,3 +232,40 @@ fn ambient_light_is_that_of_ambient_lights() {
     close(numbers(&channels, "ambient.R")[middle], image.pixels()[middle][0].into(), 1e-6);
     assert_eq!(numbers(&channels, "direct.R")[middle], 0.0);
 }
+
+/// What only bounds a medium is not there itself, and neither are particles: data and mattes are of what stands in it.
+#[test]
+fn data_layers_see_through_fog() {
+    let clear = "
+        film = { resolution = [8, 6], samples = 16 }
+        integrator = 'path'
+        camera.perspective = { position = [0, -9, 1], target = [0, 0, 1] }
+        lights.key.point = { position = [0, -4, 5], power = '1 kW' }
+        materials.white.lambert = { reflectance = 0.8 }
+        materials.smoke.medium = { scattering = 0.2, absorption = 0.1 }
+        [surfaces.ball]
+        sphere = { center = [0, 0, 1], radius = 1.5 }
+        material = 'white'
+    ";
+    let smoke =
+        "[surfaces.smoke]\nbox = { min = [-8, -5, -8], max = [8, 5, 8] }\nmaterial = 'smoke'\n";
+    let fog =
+        clear.replace("integrator", "medium = { extinction = 0.1, albedo = 0.9 }\nintegrator");
+    let path = Path::new("scene.toml");
+    let of = |text: &str| {
+        let description = read(path, text, &[]);
+        let all: Vec<_> = Layer::NAMES.iter().map(|(_, layer)| *layer).collect();
+        let scene = Scene::build(&description);
+        let place = [[0, 0], [8, 6]];
+        let data = data_layers(&scene, &description, place, &all, 1, &|| false);
+        let (_, light) = with_layers(&description, None);
+        let mattes = light.iter().filter(|channel| channel.name.starts_with("CryptoObject00"));
+        let mattes: Vec<f32> = mattes.flat_map(|c| numbers(&light, &c.name).to_vec()).collect();
+        (whole(&data, "object").to_vec(), numbers(&data, "Z").to_vec(), mattes)
+    };
+    let plain = of(clear);
+    assert!(plain.0.contains(&1) && plain.0.contains(&0), "{:?}", plain.0);
+    for text in [format!("{clear}{smoke}"), fog] {
+        assert!(of(&text) == plain, "{text}");
+    }
+}

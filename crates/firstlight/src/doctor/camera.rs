@@ -28,7 +28,7 @@ impl Doctor<'_> {
     }
 
     /// A camera that sees the inside of one surface that is no lit room, and nothing of what is outside of it.
-    fn is_inside(&self, camera: &CameraDescription) -> Option<Diagnostic> {
+    pub(super) fn is_inside(&self, camera: &CameraDescription) -> Option<Diagnostic> {
         let surface = self.probes.rays.first().map(|probe| probe.hit.surface)?;
         let rays = &self.probes.rays;
         let around = rays.iter().all(|probe| probe.hit.is_some() && probe.hit.surface == surface);

@@ -4,7 +4,10 @@ use super::lights::is_off;
 use super::probes::Witness;
 use super::tally::{Ask, Tally};
 use super::{Doctor, named, percent};
-use crate::scene::description::{Integrator, LightDescription, Projection};
+use crate::color::Rgb;
+use crate::scene::description::{
+    EnvironmentDescription, Integrator, Light, LightDescription, Projection, Shape, Surface,
+};
 use crate::scene::light_middle;
 use crate::units::{self, Dimension, Measure};
 use std::f64::consts::PI;
@@ -27,6 +30,13 @@ impl Doctor<'_> {
                 "give it more than 0, or add a light".into(),
             );
         }
+        if let Some(light) = lights.iter().find(|light| self.too_wide(light).is_some()) {
+            let name = named("light", &light.name);
+            return (
+                format!("; it is inside of the sphere of {name}, where that gives nothing"),
+                "make its radius smaller".into(),
+            );
+        }
         if let Integrator::Path { bounces: Some(0) } = self.description.integrator {
             return (
                 ": the integrator path has 0 bounces, and shows nothing but what shines itself"
@@ -35,7 +45,7 @@ impl Doctor<'_> {
             );
         }
         let tally = self.reached(points);
-        self.blocked(&tally).unwrap_or_else(|| self.say(&tally, points.first().copied()))
+        self.blocked(&tally).unwrap_or_else(|| self.say(&tally, points))
     }
 
     /// What stands in the way of most of the light to these points, as [`Doctor::why_dark`] has it.
@@ -77,16 +87,25 @@ impl Doctor<'_> {
         })
     }
 
-    fn say(&self, tally: &Tally, first: Option<&Witness>) -> (String, String) {
+    fn say(&self, tally: &Tally, points: &[&Witness]) -> (String, String) {
+        let first = points.first().copied();
         let asked = f64::from(tally.points().max(1));
         match first {
             _ if tally.points() == 0 => {
                 (String::new(), "add a light, or move the lights there are".into())
             }
             Some(first) if self.is_lost_in_fog(first) => (
-                ": light arrives, and medium lets next to none of it through to the camera".into(),
+                ": medium lets next to none of it through".into(),
                 "give medium a smaller extinction: it is what is lost per metre".into(),
             ),
+            Some(first) if self.interior(first).is_some() => {
+                let name = self.interior(first).unwrap_or_default();
+                (
+                    format!(": {name} lets next to none of it through"),
+                    "give it a smaller absorption, or less depth: it is what is lost per metre"
+                        .into(),
+                )
+            }
             Some(first) if 2 * tally.lit >= tally.points() => {
                 let material = self.description.surfaces[first.surface as usize].material;
                 let name = named("material", &self.description.materials[material].name);
@@ -94,6 +113,15 @@ impl Doctor<'_> {
                     format!(": light arrives, and {name} sends next to none of it to the camera"),
                     "give it a brighter color; in metal and glass only what stands around is seen"
                         .into(),
+                )
+            }
+            _ if tally.averted >= tally.outside && self.is_behind_plane(points) => {
+                let name = points.first().map_or(String::new(), |point| self.quoted(point.surface));
+                (
+                    format!(
+                        ": the camera is behind plane {name}, which has no end, and the lights before it"
+                    ),
+                    "move the camera to the side of the lights".into(),
                 )
             }
             _ if tally.averted >= tally.outside => {
@@ -105,19 +133,51 @@ impl Doctor<'_> {
             }
             _ => {
                 let part = percent(f64::from(tally.outside) / asked);
+                let is_spot = |l: &LightDescription| matches!(l.light, Light::Spot { .. });
+                let wider = match self.description.lights.iter().any(is_spot) {
+                    true => ", or widen their outer_angle",
+                    false => "",
+                };
                 (
                     format!(": {part} of what is dark is outside of where the lights shine"),
-                    "aim the lights at it, or widen their outer_angle".into(),
+                    format!("aim the lights at it{wider}"),
                 )
             }
         }
     }
 
-    /// Whether next to nothing of the light from a point gets through to the camera.
+    /// Whether next to nothing of the light of any lamp gets through the medium to a point, and on to the camera.
     fn is_lost_in_fog(&self, point: &Witness) -> bool {
-        let length = self.probes.rays[point.probe].hit.t;
-        let passes = self.description.medium.map(|medium| medium.transmittance(length));
-        passes.is_some_and(|passes| passes.max_element() < NOTHING)
+        let Some(medium) = self.description.medium else { return false };
+        let to_camera = self.probes.rays[point.probe].hit.t;
+        let lights = self.description.lights.iter();
+        let lights = lights.filter(|light| !matches!(light.light, Light::Ambient { .. }));
+        let from_light = lights.map(|described| match described.light {
+            Light::Camera { .. } => to_camera,
+            ref light => {
+                light.position().map_or(f32::INFINITY, |at| at.distance(point.position) as f32)
+            }
+        });
+        let nearest = from_light.reduce(f32::min).unwrap_or(0.0);
+        medium.transmittance(to_camera + nearest).max_element() < NOTHING
+    }
+
+    /// The material of what is seen, if light is lost behind it.
+    fn interior(&self, point: &Witness) -> Option<String> {
+        let material = self.description.surfaces[point.surface as usize].material;
+        let material = &self.description.materials[material];
+        let interior = material.interior.filter(|interior| interior.absorption != Rgb::ZERO)?;
+        (material.only_bounds() || interior.scattering == Rgb::ZERO)
+            .then(|| named("material", &material.name))
+    }
+
+    /// Whether most points are on the back of a plane without end.
+    fn is_behind_plane(&self, points: &[&Witness]) -> bool {
+        let is_plane = |point: &&&Witness| {
+            let shape = &self.description.surfaces[point.surface as usize].shape;
+            matches!(shape, Shape::Plane(_)) && !point.front
+        };
+        2 * points.iter().filter(is_plane).count() >= points.len()
     }
 
     /// What lights whatever the camera sees.
@@ -142,21 +202,43 @@ impl Doctor<'_> {
         format!("move the lights to where the camera is, or add {light}")
     }
 
-    /// How much the strongest light gives, in both measures, for those who have mistaken one for the other.
+    /// How much the strongest light gives, in both measures, for those who have mistaken one for the other. A surface that
+    /// shines is as bright as a white one under π times its radiance.
     pub(super) fn strongest(&self) -> String {
-        let lights = self.description.lights.iter();
-        let strength = |light: &&LightDescription| light.light.quantity().1.max_element();
-        let Some(light) = lights.max_by(|a, b| strength(a).total_cmp(&strength(b))) else {
-            return String::new();
+        let Self { description, .. } = self;
+        let of_light = |described: &LightDescription| {
+            let (mut dimension, mut value) = described.light.quantity();
+            if described.light.kind() == "point" {
+                (dimension, value) = (Dimension::Power, value * (4.0 * PI) as f32);
+            }
+            (
+                described.light.quantity().1.max_element(),
+                named("light", &described.name),
+                dimension,
+                value,
+            )
         };
-        let (mut dimension, mut value) = light.light.quantity();
-        if light.light.kind() == "point" {
-            (dimension, value) = (Dimension::Power, value * (4.0 * PI) as f32);
-        }
-        let seen = units::photometric(value, self.description.luminous_efficacy.0);
+        let of_surface = |surface: &Surface| {
+            let material = &description.materials[surface.material];
+            let [r, g, b, _] = material.emission.factor;
+            let radiance = Rgb::new(r, g, b);
+            let name = named("material", &material.name);
+            (PI as f32 * radiance.max_element(), name, Dimension::Radiance, radiance)
+        };
+        let of_sky = |sky: &EnvironmentDescription| {
+            let name = "the environment, by its strength,".to_owned();
+            (PI as f32 * sky.factor.max_element(), name, Dimension::Radiance, sky.factor)
+        };
+        let all = description.lights.iter().map(of_light);
+        let all = all.chain(description.surfaces.iter().map(of_surface));
+        let all = all.chain(description.environment.iter().map(of_sky));
+        let strongest =
+            all.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|strongest| strongest.0 > 0.0);
+        let Some((_, name, dimension, value)) = strongest else { return String::new() };
+        let seen = units::photometric(value, description.luminous_efficacy.0);
         let energy =
             units::format(value.max_element().into(), units::unit(dimension, Measure::Radiometric));
         let seen = units::format(seen, units::unit(dimension, Measure::Photometric));
-        format!(" ({} gives {energy}, which is seen as {seen})", named("light", &light.name))
+        format!(" ({name} gives {energy}, which is seen as {seen})")
     }
 }

@@ -100,7 +100,7 @@ impl Doctor<'_> {
         })
     }
 
-    fn too_wide(&self, described: &LightDescription) -> Option<Diagnostic> {
+    pub(super) fn too_wide(&self, described: &LightDescription) -> Option<Diagnostic> {
         let position = described.light.position().filter(|_| described.radius > 0.0)?;
         let inside = |at: DVec3| at.distance(position) < described.radius;
         let inside = self.probes.seen().filter(|witness| inside(witness.position)).count();
@@ -273,9 +273,9 @@ impl Doctor<'_> {
             return None;
         }
         let why = self.reason(&tally);
-        let help = match parts[0].two_sided {
-            true => "move it, or what is in its way",
-            false => "its front alone gives light: turn it, or set two_sided = true in its light",
+        let help = match why.code == "light-averted" && !parts[0].two_sided {
+            true => "its front alone gives light: turn it, or set two_sided = true in its light",
+            false => why.help,
         };
         Some((surface, finding(why.code, self.surface(surface), why.message()).help(help)))
     }

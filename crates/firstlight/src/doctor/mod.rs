@@ -81,6 +81,9 @@ pub const CODES: &[(&str, &str)] = &[
     ("triangles-degenerate", "many triangles have no area"),
 ];
 
+/// What a camera inside of something finds of lights that may be right.
+const FROM_INSIDE: &[&str] = &["light-averted", "light-blocked", "light-inside"];
+
 /// Examines one scene.
 pub struct Doctor<'a> {
     description: &'a SceneDescription,
@@ -139,8 +142,12 @@ impl<'a> Doctor<'a> {
         }
         let mut found = Vec::new();
         found.extend(lights::none(description));
-        found.extend(self.lights(care));
-        found.extend(self.camera());
+        let camera = self.camera();
+        let inside = camera.iter().any(|finding| finding.code == "camera-inside");
+        found.extend(camera);
+        // From inside of something, all lights seem to be in the wrong place.
+        let follows = |found: &Diagnostic| inside && FROM_INSIDE.contains(&found.code);
+        found.extend(self.lights(care).into_iter().filter(|finding| !follows(finding)));
         found.extend(self.surfaces(care));
         found.extend(self.sizes());
         found.extend(materials::examine(description, care));

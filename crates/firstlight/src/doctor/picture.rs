@@ -15,7 +15,7 @@ const WHITE: f32 = 1.01;
 /// The part of what the camera sees that may be black without a word.
 const BLACK: f64 = 0.9;
 /// The same of a model in the studio, where nobody has chosen the light.
-const BLACK_IN_STUDIO: f64 = 0.7;
+const BLACK_IN_STUDIO: f64 = 0.5;
 /// Stops by which a picture may be too dark without a word.
 const STOPS: f64 = 5.0;
 /// Relative noise from which on more samples are recommended.
@@ -64,16 +64,20 @@ impl Doctor<'_> {
         if rendered.samples == 0 || told {
             return None;
         }
+        let camera = self.description.cameras.first();
+        if camera.is_some_and(|camera| self.is_inside(camera).is_some()) {
+            return None;
+        }
         let in_studio = self.description.ground.is_some();
         if rendered.surface_rays == 0 || (in_studio && !self.probes.any_seen(self.scene)) {
             // From where all is a dot, that has been told.
-            let far = self.description.cameras.first().is_some_and(|c| self.is_far(c).is_some());
+            let far = camera.is_some_and(|camera| self.is_far(camera).is_some());
             return (!far).then(|| self.sees_nothing());
         }
         let black = |message: String| Diagnostic::new("", message).code("picture-black");
         if rendered.brightest <= 0.0 {
             let (why, help) = self.why_dark(&self.probes.seen().collect::<Vec<_>>());
-            let message = format!("no light reaches what the camera sees: it is all black{why}");
+            let message = format!("no light reaches the camera: what it sees is all black{why}");
             return Some(black(message).help(help));
         }
         let brightest = Rgb::new(rendered.brightest, 0.0, 0.0);

@@ -256,6 +256,21 @@ fn fog_and_bounces_make_things_dark() {
     };
     let words = ["medium lets next to none of it through", "smaller extinction"];
     texts_told_apart("picture-black", &words, &fog(20.0), &fog(0.01));
+    // A sun is infinitely far, behind infinitely much of it.
+    let sun = |extinction: f32| {
+        fog(extinction).replace("lamp.point", "lamp.directional").replace(
+            "position = [2, -4, 5]\n    power = '1 kW'",
+            "direction = [0, 1, -1]\nirradiance = 3",
+        )
+    };
+    texts_told_apart("picture-black", &words, &sun(0.01), &sun(0.0));
+    let smoke = |absorption: f32| {
+        let smoke =
+            "[surfaces.s]\nbox = { min = [-4, -8, -1], max = [4, 4, 4] }\nmaterial = 'smoke'\n";
+        format!("{}{smoke}[materials.smoke.medium]\nabsorption = {absorption}\n", path(""))
+    };
+    let words = ["material \"smoke\" lets next to none of it through", "smaller absorption"];
+    texts_told_apart("picture-black", &words, &smoke(50.0), &smoke(0.05));
 }
 
 /// A roof over everything but the rim of a floor that goes on.
@@ -441,7 +456,7 @@ fn a_camera_in_a_room_is_well() {
 
 #[test]
 fn pictures_that_are_black_or_too_bright() {
-    let words = ["it is all black: 96 % of the shadow rays hit \"roof\""];
+    let words = ["what it sees is all black: 96 % of the shadow rays hit \"roof\""];
     let roof = |z: f32| {
         format!("{SCENE}[surfaces.roof]\ndisk = {{ center = [0, 0, {z}], radius = 30 }}\n")
     };
@@ -770,6 +785,43 @@ fn pictures_that_are_missing_are_told() {
         let found: Vec<_> = found.into_iter().filter(|code| !code.is_empty()).collect();
         assert_eq!(found, codes, "{picture}");
     }
+}
+
+/// What follows from a finding is not told as if it were another, and what helps is what is wrong.
+#[test]
+fn causes_come_before_what_follows_from_them() {
+    let text = |scene: &str, code: &str| {
+        let found = findings(&read(scene));
+        let finding = found.iter().find(|finding| finding.code == code);
+        finding.unwrap_or_else(|| panic!("no {code} in {found:#?}")).to_string()
+    };
+    let roof = "[surfaces.roof]\nquad = { corner = [-30, -30, 6], edge_u = [0, 60, 0], edge_v = [60, 0, 0] }\n";
+    let panel = "[surfaces.lamp]\nquad = { corner = [-1, -1, 6.1], edge_u = [0, 2, 0], edge_v = [2, 0, 0] }\nlight.radiance = 20\n";
+    let unlit = SCENE.split("[lights").next().unwrap();
+    let above = text(&format!("integrator = 'path'\n{unlit}{roof}{panel}"), "light-blocked");
+    assert!(
+        above.contains("move it, or what is in its way") && !above.contains("two_sided"),
+        "{above}"
+    );
+    let wide = format!("{SCENE}radius = 30\n");
+    let black = text(&wide, "picture-black");
+    assert!(
+        black.contains("inside of the sphere of light \"lamp\"") && black.contains("radius"),
+        "{black}"
+    );
+    let below =
+        changed("disk = { radius = 20 }", "plane = {}", "").replace("[0, -6, 3]", "[0, -6, -3]");
+    let below = text(&below, "picture-black");
+    assert!(
+        below.contains("behind plane \"floor\"") && below.contains("move the camera"),
+        "{below}"
+    );
+    let tree = "[surfaces.tree]\nbox = { min = [-0.2, -6.2, 2.8], max = [0.2, -5.8, 3.2] }\n";
+    let codes: Vec<_> = findings(&read(&format!("{SCENE}{tree}"))).iter().map(|f| f.code).collect();
+    assert_eq!(codes, ["camera-inside"]);
+    let bright = changed("reflectance = 0.5", "emission = 300", "");
+    let clipped = text(&bright.replace("-6, 3]", "-3, 1.5]"), "picture-clipped");
+    assert!(clipped.contains("material \"paint\" gives 300"), "{clipped}");
 }
 
 /// No finding without a scene that has it: each code is in a test above.

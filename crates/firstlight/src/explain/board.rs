@@ -148,6 +148,8 @@ pub enum Verdict {
     FacesAway,
     /// The light does not shine in this direction.
     OutsideBeam,
+    /// The point is inside of the sphere that the light is, where it gives nothing.
+    InsideOfIt,
     /// It arrives, and nothing of it is scattered towards the eye.
     NotScattered,
     /// Another light was asked for all.
@@ -366,6 +368,14 @@ impl Board<'_> {
         Some(sample.incoming.as_vec3())
     }
 
+    /// Whether a place is in the sphere of a light that has a radius.
+    fn is_inside(&self, source: Source, place: Vec3) -> bool {
+        let Source::Light(number) = source else { return false };
+        let described = &self.description.lights[number as usize];
+        let at = described.light.position();
+        at.is_some_and(|at| at.distance(place.as_dvec3()) < described.radius)
+    }
+
     fn share(&self, key: (Source, u32)) -> f64 {
         self.terms.iter().find(|term| term.key == key).map_or(0.0, |term| term.share)
     }
@@ -387,6 +397,7 @@ impl Board<'_> {
         let all_asked = Way::of(self.scene, false).asks_all(bounce);
         let cos = |incoming: Vec3| point.map(|point| point.cos(incoming));
         let verdict = match toward {
+            _ if self.is_inside(source, place) => Verdict::InsideOfIt,
             Some(None) => Verdict::OutsideBeam,
             Some(Some(incoming)) if cos(incoming).is_some_and(|cos| cos <= 0.0) => {
                 Verdict::FacesAway

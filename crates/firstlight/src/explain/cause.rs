@@ -22,8 +22,8 @@ const ITSELF: f64 = 1e-4;
 /// Why a pixel is as it is.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Cause {
-    /// One word for it, for programs: background, emission, no_light, blocked, acne, faces_away, outside_beam, black_surface,
-    /// medium, weak_light, too_bright, lit.
+    /// One word for it, for programs: background, emission, no_light, blocked, acne, faces_away, outside_beam, inside_light,
+    /// black_surface, medium, weak_light, too_bright, lit.
     pub kind: &'static str,
     /// A sentence.
     pub text: String,
@@ -129,6 +129,17 @@ impl Evidence<'_> {
         let source = &nearest.source;
         let all = |verdict: Verdict| lights.iter().all(|light| light.verdict == verdict);
         let rest = if lights.len() > 1 { " and from all other lights" } else { "" };
+        let gives_nothing = |light: &Lighting| {
+            use Verdict::{FacesAway, InsideOfIt, OutsideBeam};
+            matches!(light.verdict, FacesAway | OutsideBeam | InsideOfIt)
+        };
+        let around = lights.iter().find(|light| light.verdict == Verdict::InsideOfIt);
+        if let Some(Lighting { source, .. }) = around.filter(|_| lights.iter().all(gives_nothing)) {
+            let text = format!(
+                "dark because it is inside of the sphere of light '{source}', where that gives nothing"
+            );
+            return Some(Cause { kind: "inside_light", text });
+        }
         if all(Verdict::OutsideBeam) {
             let text = format!("dark because it is outside of the beam of light '{source}'");
             return Some(Cause { kind: "outside_beam", text });
@@ -139,9 +150,7 @@ impl Evidence<'_> {
                 cos.clamp(-1.0, 1.0).acos().to_degrees() - 90.0
             )
         });
-        let away =
-            |light: &Lighting| matches!(light.verdict, Verdict::FacesAway | Verdict::OutsideBeam);
-        lights.iter().all(away).then(|| {
+        lights.iter().all(gives_nothing).then(|| {
             let text = format!("dark because it faces away from light '{source}'{rest}{below}");
             Cause { kind: "faces_away", text }
         })

@@ -6,7 +6,7 @@ use crate::geometry::{Hit, Ray};
 use crate::integrator::{Gatherer, Way};
 use crate::sampler::{PathPoints, Sampler};
 use crate::scene::description::{Integrator, Mesh, SceneDescription, Shape};
-use crate::scene::{Scene, SeenByCamera};
+use crate::scene::{Scene, Solid};
 use crate::shading::interaction::SurfaceInteraction;
 use crate::units::photometric;
 use glam::{DVec3, Vec3};
@@ -95,7 +95,7 @@ impl<'a> Viewer<'a> {
     fn see(&self, x: u32, y: u32, gatherer: &mut Gatherer) -> Seen {
         let ray = self.scene.camera().get_ray(x, y);
         let mut hits = Vec::<Hit>::new();
-        self.scene.world.closest_hits(&[ray], &SeenByCamera(self.scene, 0), &mut hits);
+        self.scene.world.closest_hits(&[ray], &Solid(self.scene), &mut hits);
         match hits[0].is_some() {
             true => {
                 let (seen, at) = self.meet(&ray, &hits[0]);

@@ -4,9 +4,10 @@ use super::crypto::{Coverage, CryptoNames};
 use super::{Channel, Layer};
 use crate::color::{Rgb, luminance};
 use crate::film::{Sample, Tile};
-use crate::integrator::{Gain, Record, Source};
-use crate::scene::Scene;
+use crate::geometry::Ray;
+use crate::integrator::{Followed, Gain, Record, Source};
 use crate::scene::description::{Integrator, SceneDescription};
+use crate::scene::{Scene, Solid};
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
@@ -81,7 +82,7 @@ impl LightTile {
     }
 
     /// Adds a batch of samples.
-    pub(crate) fn add(&mut self, samples: &[Taken], record: &Record) {
+    pub(crate) fn add(&mut self, scene: &Scene, samples: &[Taken], record: &Record) {
         let Self { places, ambient, pixels } = self;
         for taken in samples {
             let sums = &mut pixels[taken.pixel];
@@ -120,11 +121,21 @@ impl LightTile {
             let sums = &mut pixels[taken.pixel];
             sums.rays += 1;
             if followed.bounce == 0 {
-                sums.surfaces
-                    .add(followed.hit.is_some().then_some(followed.hit.surface), taken.weight);
+                sums.surfaces.add(solid(scene, followed), taken.weight);
             }
         }
     }
+}
+
+/// The surface that a camera's ray comes to, in fog or behind it.
+fn solid(scene: &Scene, Followed { ray, hit, .. }: &Followed) -> Option<u32> {
+    let in_fog = !hit.is_some() && ray.t_max.is_finite();
+    let mut hits = vec![*hit];
+    if in_fog || (hit.is_some() && scene.material(hit).only_bounds()) {
+        let ray = Ray { t_max: f32::INFINITY, ..*ray };
+        scene.world.closest_hits(&[ray], &Solid(scene), &mut hits);
+    }
+    hits.first().filter(|hit| hit.is_some()).map(|hit| hit.surface)
 }
 
 /// Everything that light can come from in a scene.

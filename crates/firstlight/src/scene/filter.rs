@@ -10,6 +10,9 @@ use crate::math::hash;
 /// a ray apart where chance decides.
 pub(crate) struct SeenByCamera<'a>(pub &'a Scene, pub u32);
 
+/// Rays for data of what is seen: as those of the camera, but they pass through what only bounds a medium as well.
+pub(crate) struct Solid<'a>(pub &'a Scene);
+
 /// Rays from surface to surface: they pass through holes only. The number is that of [`SeenByCamera`].
 pub(crate) struct Meets<'a>(pub &'a Scene, pub u32);
 
@@ -33,6 +36,17 @@ impl HitFilter for SeenByCamera<'_> {
         material.visible
             && (material.double_sided || !scene.is_back(hit, from_behind))
             && scene.is_there(ray, hit, self.1)
+    }
+}
+
+impl HitFilter for Solid<'_> {
+    fn flags(&self) -> u32 {
+        ONE_SIDED | PARTLY_THERE
+    }
+
+    fn accepts(&self, ray: &Ray, hit: &Hit, from_behind: bool) -> bool {
+        !self.0.material(hit).only_bounds()
+            && SeenByCamera(self.0, 0).accepts(ray, hit, from_behind)
     }
 }
 

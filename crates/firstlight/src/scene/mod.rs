@@ -13,7 +13,7 @@ mod studio;
 mod values;
 
 pub(crate) use build::light_middle;
-pub(crate) use filter::{Everything, Meets, OnlyPanes, SeenByCamera, StopsLight};
+pub(crate) use filter::{Everything, Meets, OnlyPanes, SeenByCamera, Solid, StopsLight};
 pub(crate) use framing::middle;
 pub use framing::{bounds, frame};
 pub(crate) use lights::{LocalLight, LocalLights};

@@ -306,7 +306,12 @@ impl Builder<'_> {
         if part.surfaces.iter().any(seen) {
             return Ok(());
         }
-        let help = "its nodes show no mesh with triangles";
+        // What was left out of it on reading says more.
+        let read = warnings.last().filter(|note| note.place.file == self.document.name);
+        let help = match read {
+            Some(note) if self.document.generated => note.to_string(),
+            _ => "its nodes show no mesh with triangles".into(),
+        };
         if self.document.generated {
             let error = Diagnostic::new(self.document.name, "no triangles in this file");
             return Err(Box::new(error.help(help)));

@@ -137,9 +137,14 @@ impl Material {
 
     /// Whether light passes it on its straight way: panes, and what bounds a medium without bending light.
     pub fn passes_light(&self) -> bool {
+        self.is_pane() || self.only_bounds()
+    }
+
+    /// Whether it is not there itself and only bounds a medium, as of fog: it bends no light.
+    pub fn only_bounds(&self) -> bool {
         let bends = |interior: &Interior| (interior.index - 1.0).abs() >= Interior::NOTHING;
         let smooth = matches!(&self.scattering, Scattering::Dielectric { facets } if facets.roughness.is(0.0));
-        self.is_pane() || smooth && self.interior.as_ref().is_some_and(|interior| !bends(interior))
+        smooth && self.interior.as_ref().is_some_and(|interior| !bends(interior))
     }
 
     /// How much of it is covered by varnish, if any is.
