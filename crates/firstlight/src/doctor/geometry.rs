@@ -1,12 +1,12 @@
 //! Surfaces that are in each other, inside out, or made of triangles that cannot be right.
 
-use super::probes::Probe;
+use super::probes::{Probe, Witness};
 use super::{Care, Doctor, finding, named, percent, quoted};
 use crate::bvh::Part;
 use crate::diagnostic::Diagnostic;
 use crate::geometry::{Bounds, Ray};
-use crate::scene::SeenByCamera;
 use crate::scene::description::{Cone, Cylinder, Mesh, SceneDescription, Shape, Surface};
+use crate::scene::{SeenByCamera, StopsLight};
 use glam::{DVec3, Vec3};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -44,7 +44,8 @@ impl Doctor<'_> {
         found
     }
 
-    /// Surfaces of different materials in one place: which one is seen is up to rounding.
+    /// Surfaces of different materials in one place: which one is seen is up to rounding. Those of one material that are all
+    /// but in one place shade each other.
     fn coincident(&self) -> Option<Diagnostic> {
         let seen: Vec<_> = self.probes.rays.iter().filter(|probe| probe.hit.is_some()).collect();
         let mut pairs = BTreeMap::<[u32; 2], u32>::new();
@@ -53,13 +54,21 @@ impl Doctor<'_> {
         }
         let material = |surface: u32| self.description.surfaces[surface as usize].material;
         let is_opaque = |surface: u32| self.description.materials[material(surface)].is_opaque();
-        pairs.retain(|[a, b], _| material(*a) != material(*b) && is_opaque(*a) && is_opaque(*b));
+        pairs.retain(|[a, b], _| material(*a) != material(*b));
+        for [a, b] in self.shading_each_other() {
+            *pairs.entry([a.min(b), a.max(b)]).or_default() += 1;
+        }
+        pairs.retain(|[a, b], _| is_opaque(*a) && is_opaque(*b));
         let ([a, b], count) = pairs.into_iter().max_by_key(|(_, count)| *count)?;
         (count >= COINCIDENT_RAYS).then(|| {
             let part = percent((f64::from(count) / seen.len() as f64).min(1.0));
             let message = format!(
-                "lies in surface {} on {part} of what is seen: which of the two shows is up to rounding",
-                self.quoted(b)
+                "lies in surface {} on {part} of what is seen: {}",
+                self.quoted(b),
+                match material(a) == material(b) {
+                    true => "they are so close that they shade each other",
+                    false => "which of the two shows is up to rounding",
+                }
             );
             finding("surfaces-coincide", self.surface(a), message)
                 .help("move one of them by a hair, or leave it out")
@@ -81,6 +90,18 @@ impl Doctor<'_> {
             is_parallel(self.normal(probe), behind)
         });
         both.map(|((probe, _), hit)| [probe.hit.surface, hit.surface]).collect()
+    }
+
+    /// Pairs of surfaces of which one is seen, and the other lies before it where light would leave it.
+    fn shading_each_other(&self) -> Vec<[u32; 2]> {
+        let seen: Vec<_> = self.probes.seen().collect();
+        let near = |witness: &&Witness| SAME_PLACE * self.probes.rays[witness.probe].hit.t;
+        let leaving = |w: &&Witness| Ray { t_max: near(w), ..Ray::new(w.start, w.normal) };
+        let (rays, mut hits) = (seen.iter().map(leaving).collect::<Vec<_>>(), Vec::new());
+        self.scene.world.closest_hits(&rays, &StopsLight(self.scene, 0), &mut hits);
+        let both = seen.iter().zip(&hits).filter(|(_, hit)| hit.is_some());
+        let both = both.map(|(witness, hit)| [witness.surface, hit.surface]);
+        both.filter(|[a, b]| a != b).collect()
     }
 
     /// The normal of what a ray has met.

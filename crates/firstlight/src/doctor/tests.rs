@@ -507,6 +507,14 @@ fn surfaces_in_each_other() {
         )
     };
     texts_told_apart("surfaces-coincide", &["up to rounding"], &table(0.0), &table(0.01));
+    // Of one material as well, if they are not in the very same place.
+    let second = |z: &str| {
+        table(0.0)
+            .replace("-3, 0]", &format!("-3, {z}]"))
+            .replace("disk =", "material = 'paint'\n    disk =")
+    };
+    let words = ["surface \"floor\"", "shade each other"];
+    texts_told_apart("surfaces-coincide", &words, &second("1e-7"), &second("0.0"));
     // Walls that meet in the diagonals of the picture, where probes hit their edges.
     let corner = "
         film.resolution = [64, 64]
