@@ -8,10 +8,13 @@ use firstlight::diagnostic::{Diagnostic, visible};
 use firstlight::doctor::{Care, Doctor, degenerate_triangles};
 use firstlight::io::{BitDepth, Format, Warnings};
 use firstlight::render::{RenderOptions, render, with_threads};
-use firstlight::scene::description::FilmDescription;
+use firstlight::scene::description::{FilmDescription, Integrator};
 use firstlight::{BuildQuality, Level, Scene, SceneDescription};
 use serde_json::json;
 use std::ops::ControlFlow;
+
+/// Reflections that the small picture follows, at most.
+const MOST_BOUNCES: u32 = 64;
 
 pub(crate) fn run(args: &CheckArgs) -> Outcome {
     let mut warnings = Warnings::new();
@@ -34,6 +37,10 @@ pub(crate) fn run(args: &CheckArgs) -> Outcome {
 /// All that the doctor finds in a scene and in a small picture of it.
 fn findings(mut scene: SceneDescription, level: Level, threads: usize) -> Vec<Diagnostic> {
     make_small(&mut scene.film);
+    if let Integrator::Path { bounces } = &mut scene.integrator {
+        // Where light is trapped, paths are as good as endless.
+        *bounces = Some(bounces.map_or(MOST_BOUNCES, |bounces| bounces.min(MOST_BOUNCES)));
+    }
     let built = Scene::build_with(&scene, level, BuildQuality::Preview);
     let doctor = Doctor::new(&scene, &built);
     let options = RenderOptions { threads, ..RenderOptions::default() };

@@ -123,6 +123,9 @@ pub(crate) fn dress(scene: &mut SceneDescription, args: &PictureArgs) -> Result<
     let mut studio = args.studio.studio(own_lights, bare, scene.luminous_efficacy.0);
     if args.input.sets(&["background"]) {
         studio.background = studio.background.or(Some(scene.background));
+    } else if args.look == Some(Look::Clarity) {
+        // Paper.
+        studio.background = studio.background.or(Some(Rgb::ONE));
     }
     if own_lights {
         scene.lights.extend(studio.lights());

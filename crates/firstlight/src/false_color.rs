@@ -81,56 +81,78 @@ fn round(value: f64, rounding: fn(f64) -> f64) -> f64 {
     found.map_or(value, |step| step * power)
 }
 
-/// A picture of `values`, row by row, in the colours of a scale, which is drawn into its right side. What is 0 or not finite
-/// is black. It is to be shown as it is, without exposure.
-pub fn false_color(values: &[f64], size: [u32; 2], scale: &Scale) -> Image {
+/// A picture of `values`, row by row, in the colours of a scale, which is drawn beside its right edge unless the picture is too
+/// small for letters. What is 0 or not finite is black. It is to be shown as it is, without exposure.
+pub fn false_color(values: &[f64], [width, height]: [u32; 2], scale: &Scale) -> Image {
     let color = |value: &f64| match *value > 0.0 && value.is_finite() {
         true => ColorMap::Viridis.color(scale.place(*value) as f32),
         false => Rgb::ZERO,
     };
-    let pixels = values.iter().map(|value| color(value).extend(1.0).to_array()).collect();
-    let mut image = Image::from_pixels(size[0], size[1], pixels);
-    Legend::new(size).draw(&mut image, scale);
+    let legend = Legend::of(scale, height);
+    let mut image = Image::new(width + legend.as_ref().map_or(0, Legend::width), height);
+    for (place, value) in (0..).zip(values) {
+        image.set(place % width, place / width, color(value));
+    }
+    if let Some(legend) = legend {
+        legend.draw(&mut image, width);
+    }
     image
 }
 
-/// Where the legend is, in pixels.
-struct Legend {
-    size: [u32; 2],
-    /// Side of a dot of its letters.
+/// A bar of colours with numbers beside it.
+struct Legend<'a> {
+    scale: &'a Scale,
+    height: u32,
+    /// The values that are written, and how.
+    marks: Vec<(f64, String)>,
+    /// Side of a dot of its letters, pixels.
     dot: u32,
 }
 
-impl Legend {
-    fn new(size: [u32; 2]) -> Self {
-        Self { size, dot: (size[1] / DOT_HEIGHT).max(1) }
+impl<'a> Legend<'a> {
+    /// For a picture so high, if there is room for its letters.
+    fn of(scale: &'a Scale, height: u32) -> Option<Self> {
+        let marks = scale.marks().into_iter().map(|mark| (mark, written(mark))).collect();
+        let legend = Self { scale, height, marks, dot: (height / DOT_HEIGHT).max(1) };
+        (8 * legend.line() <= height).then_some(legend)
     }
 
-    /// A dark panel, the bar of colours, and numbers beside it; nothing in pictures that are too small for it.
-    fn draw(&self, image: &mut Image, scale: &Scale) {
-        let marks: Vec<_> = scale.marks().into_iter().map(|mark| (mark, written(mark))).collect();
-        let longest = marks.iter().map(|(_, text)| text.len()).max().unwrap_or(0);
-        let longest = longest.max(scale.unit.len()) as u32;
-        let (dot, [width, height]) = (self.dot, self.size);
-        let line = LETTER[1] * dot;
-        let (margin, bar) = (4 * dot, 10 * dot);
-        let panel = 3 * margin + bar + longest * LETTER[2] * dot;
+    fn line(&self) -> u32 {
+        LETTER[1] * self.dot
+    }
+
+    fn margin(&self) -> u32 {
+        4 * self.dot
+    }
+
+    /// Width of the bar.
+    fn bar(&self) -> u32 {
+        10 * self.dot
+    }
+
+    /// Width of all of it.
+    fn width(&self) -> u32 {
+        let longest = self.marks.iter().map(|(_, text)| text.len()).max().unwrap_or(0);
+        let longest = longest.max(self.scale.unit.len()) as u32;
+        3 * self.margin() + self.bar() + longest * LETTER[2] * self.dot
+    }
+
+    /// Draws it with its left edge in this column.
+    fn draw(&self, image: &mut Image, left: u32) {
+        let Self { scale, height, dot, .. } = *self;
+        let (line, margin, bar) = (self.line(), self.margin(), self.bar());
         let top = margin + 2 * line;
-        if panel > width / 2 || 8 * line > height {
-            return;
-        }
-        let (left, length) = (width - panel, height - top - 2 * margin);
-        fill(image, [left, 0, panel, height], |old, _| 0.12 * old);
-        fill(image, [left + margin, top, bar, length], |_, y| {
+        let length = height - top - 2 * margin;
+        fill(image, [left + margin, top, bar, length], |y| {
             ColorMap::Viridis.color(1.0 - y as f32 / (length - 1).max(1) as f32)
         });
         let text = left + 2 * margin + bar;
         write(image, [left + margin, margin], dot, &scale.unit);
-        for (mark, name) in marks {
-            let y = top + ((1.0 - scale.place(mark)) * f64::from(length - 1)).round() as u32;
-            fill(image, [left + margin, y, bar + margin / 2, 1], |_, _| Rgb::ONE);
+        for (mark, name) in &self.marks {
+            let y = top + ((1.0 - scale.place(*mark)) * f64::from(length - 1)).round() as u32;
+            fill(image, [left + margin, y, bar + margin / 2, 1], |_| Rgb::ONE);
             let y = y.saturating_sub(line / 2).min(height - line - 1);
-            write(image, [text, y], dot, &name);
+            write(image, [text, y], dot, name);
         }
     }
 }
@@ -143,11 +165,11 @@ fn written(value: f64) -> String {
     if plain.len() > 5 && short.len() < plain.len() { short } else { plain }
 }
 
-/// Changes the pixels of a rectangle (left, top, width, height): the old colour and the row become the new one.
-fn fill(image: &mut Image, [x, y, width, height]: [u32; 4], color: impl Fn(Rgb, u32) -> Rgb) {
+/// Colours the pixels of a rectangle (left, top, width, height) by their rows in it.
+fn fill(image: &mut Image, [x, y, width, height]: [u32; 4], color: impl Fn(u32) -> Rgb) {
     for iy in y..(y + height).min(image.height()) {
         for ix in x..(x + width).min(image.width()) {
-            image.set(ix, iy, color(image.get(ix, iy), iy - y));
+            image.set(ix, iy, color(iy - y));
         }
     }
 }
@@ -158,7 +180,7 @@ fn write(image: &mut Image, [x, y]: [u32; 2], dot: u32, text: &str) {
         for (row, bits) in (0..).zip(glyph(letter)) {
             for column in (0..LETTER[0]).filter(|column| bits >> (4 - column) & 1 == 1) {
                 let corner = [x + (place * LETTER[2] + column) * dot, y + row * dot];
-                fill(image, [corner[0], corner[1], dot, dot], |_, _| Rgb::ONE);
+                fill(image, [corner[0], corner[1], dot, dot], |_| Rgb::ONE);
             }
         }
     }
@@ -220,12 +242,14 @@ mod tests {
 
     /// The colour of a pixel can be read off the bar.
     #[test]
-    fn the_legend_is_in_the_picture() {
+    fn the_legend_is_beside_the_picture() {
         let scale = Scale { ends: [1.0, 10_000.0], unit: "lx".into() };
         let image = false_color(&vec![100.0; 320 * 200], [320, 200], &scale);
         let color = image.get(5, 100);
         assert_eq!(color, ColorMap::Viridis.color(0.5));
-        let column: Vec<_> = (0..200).map(|y| image.get(320 - 52 + 9, y)).collect();
+        assert_eq!(image.width(), 320 + 52);
+        assert!((0..320 * 200).all(|place| image.get(place % 320, place / 320) == color));
+        let column: Vec<_> = (0..200).map(|y| image.get(320 + 9, y)).collect();
         let near = column.iter().position(|c| c.distance(color) < 0.02);
         assert!(near.is_some_and(|y| (90..130).contains(&y)), "{near:?}");
         let small = false_color(&[1.0; 4], [2, 2], &scale);

@@ -5,18 +5,22 @@ use crate::color::Rgb;
 use crate::geometry::Ray;
 use crate::math::hash;
 use crate::scene::description::{
-    CameraLightAmount, Light as Described, LightDescription, SceneDescription, SpotFalloff,
+    CameraLightAmount, EnvironmentDescription, Light as Described, LightDescription, Material,
+    SceneDescription, Sky, SpotFalloff, Surface,
 };
 use crate::scene::{Scene, StopsLight, bounds, light_middle};
 use crate::shading::light::Light;
 use crate::shading::light::area::AreaLight;
 use crate::shading::light::environment::Environment;
+use crate::units;
 use glam::{DVec2, DVec3, Vec3};
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
 /// Points of emitting surfaces, and directions of the environment, from which light is added up.
 const SAMPLES: u32 = 4096;
+/// Unit of radiance.
+const RADIANCE: &str = "W/(sr m²)";
 
 /// All lights of a scene.
 #[derive(Debug, Clone)]
@@ -154,7 +158,7 @@ impl Maker<'_> {
         Entry {
             name: "environment".into(),
             kind: "environment",
-            written: String::new(),
+            written: self.description.environment.as_ref().map_or(String::new(), written_sky),
             power: None,
             intensity: None,
             radiance: Some(mean),
@@ -192,10 +196,11 @@ impl Maker<'_> {
         }
         let (irradiance, blocked) = self.sum(&arrivals, Vec3::ZERO);
         let sides = if parts[0].two_sided { 2.0 } else { 1.0 };
+        let Surface { name, material, .. } = &self.description.surfaces[surface as usize];
         Entry {
-            name: self.description.surfaces[surface as usize].name.clone(),
+            name: name.clone(),
             kind: "surface",
-            written: String::new(),
+            written: written_emission(&self.description.materials[*material]),
             power: Some(mean * (sides * PI * area) as f32),
             intensity: None,
             radiance: Some(mean),
@@ -219,6 +224,26 @@ impl Maker<'_> {
         let seen =
             corners.iter().find_map(|side| light.sample(0.5 * (lo + hi) + away * *side, u, None));
         seen.map_or(Rgb::ZERO, |sample| self.scene.emitted_by(light, &sample, 0.0))
+    }
+}
+
+/// What a material's file says that it emits.
+fn written_emission(material: &Material) -> String {
+    let [r, g, b, _] = material.emission.factor;
+    match material.written.as_str() {
+        "" => units::format(r.max(g).max(b).into(), RADIANCE),
+        written => written.into(),
+    }
+}
+
+/// What a scene says of its environment: radiance, or what a picture or sky is multiplied by.
+fn written_sky(environment: &EnvironmentDescription) -> String {
+    let factor = f64::from(environment.factor.max_element());
+    match environment.sky {
+        Sky::Uniform | Sky::Cie { .. } => units::format(factor, RADIANCE),
+        Sky::Gradient { .. } => format!("gradient × {factor}"),
+        Sky::Picture { .. } => format!("picture × {factor}"),
+        Sky::Clear { .. } => format!("sky × {factor}"),
     }
 }
 

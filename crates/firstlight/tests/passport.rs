@@ -32,13 +32,28 @@ fn near(value: f32, expected: f64) {
     assert!((f64::from(value) / expected - 1.0).abs() < 2e-3, "{value} is not {expected}");
 }
 
+/// What the author wrote, or the same number where that is not kept.
+#[test]
+fn every_light_has_its_value() {
+    let written = |more: &str| only(more).written;
+    assert_eq!(
+        written("lights.l.directional = { direction = [0, 0, -1], irradiance = '50 fc' }"),
+        "50 fc"
+    );
+    assert_eq!(written("lights.l.point = { position = [0, 0, 2], power = 60 }"), "60 W");
+    let panel =
+        "surfaces.p = { quad = { corner = [-0.5, -0.5, 0] }, light = { power = '3000 lm' } }";
+    assert_eq!(passport(panel).lights[0].written, "3000 lm");
+    assert_eq!(written("environment.uniform.radiance = 0.5"), "500 mW/(sr m²)");
+}
+
 #[test]
 fn lamps_and_spots() {
     let lamp = only("lights.l.point = { position = [0, 0, 2], power = '1790 lm' }");
     near(lamp.power.unwrap().x, 10.0);
     near(lamp.intensity.unwrap().x, 10.0 / (4.0 * PI));
     near(lamp.irradiance.x, 10.0 / (16.0 * PI));
-    assert_eq!((lamp.written.as_str(), lamp.blocked), ("1.79 klm", None));
+    assert_eq!((lamp.written.as_str(), lamp.blocked), ("1790 lm", None));
     // A hard cone of 60° is a quarter of the sphere.
     let cone = "inner_angle = 59.999, outer_angle = 60";
     let spot = only(&format!(

@@ -101,8 +101,8 @@ fn maps_of_light_have_a_legend() {
         let (width, _, codes) = decode(&fs::read(folder.path(&format!("{quantity}.png"))).unwrap());
         // The upper end of the bar has the last colours of the scale.
         let is_last = |p: &[u8]| p[0] >= 0xF0 && p[1] >= 0xDF && p[2] <= 0x30;
-        let lit = codes.chunks(codes.len() / (240 * 160)).any(is_last);
-        assert!(lit && width == 240, "{quantity}");
+        let lit = codes.chunks(codes.len() / (width as usize * 160)).any(is_last);
+        assert!(lit && width > 240, "{quantity}");
     }
     // 100 W at 4 m above: 100 / (4π 16) W/m² right below the lamp.
     let line = "render scene.toml -r 8x8 --camera top -o lux.png --false-color illuminance";

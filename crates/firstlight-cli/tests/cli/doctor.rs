@@ -48,3 +48,18 @@ fn lights_are_shown_in_all_units() {
     assert!((lamp["illuminance_lx"].as_f64().unwrap() / expected - 1.0).abs() < 1e-5, "{lamp}");
     assert_eq!((&lamp["written"], &lamp["blocked"]), (&"800 lm".into(), &0.0.into()));
 }
+
+/// Where nothing is lost, paths do not end; what is wrong is told all the same, and soon.
+#[test]
+fn light_that_is_trapped_does_not_hold_up_a_check() {
+    let folder = Folder::new();
+    let text = "
+        integrator = 'path'
+        camera.perspective = { position = [0.5, 0, 0], target = [-1, 0, 0] }
+        surfaces.room = { box = { min = [-1, -1, -1], max = [1, 1, 1] }, material = 'white' }
+        materials.white.lambert.reflectance = 1
+        lights.lamp.point = { position = [0, 0, 0.5], power = 100 }
+    ";
+    folder.write("trap.toml", text);
+    folder.run("check trap.toml").done();
+}

@@ -73,6 +73,7 @@ fn what_is_set_stays_as_it_is_set() {
     let set = picture(&folder, "s.obj --ground off -D background=navy");
     assert!(set == picture(&folder, "s.obj --ground off --background navy"));
     let clear = picture(&folder, "s.obj --look clarity");
+    assert!(clear[..3] == [255; 3] && usual[..3] != [255; 3], "drawings are on white paper");
     for set in ["film.exposure=-1", "film.view=raw"] {
         assert!(picture(&folder, &format!("s.obj --look clarity -D {set}")) != clear, "{set}");
     }

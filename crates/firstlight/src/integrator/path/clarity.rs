@@ -236,9 +236,12 @@ impl<'a> Clarity<'a> {
         recorder: &mut impl Recorder,
     ) {
         let share = Rgb::splat((1.0 - ALWAYS) / LOOKS as f32);
+        let pair = Bounce::new(0).direction();
         for look in 0..LOOKS {
-            let pair = Bounce::new(look).direction();
+            // One in each quarter of the square, that is, of the sky.
+            let quarter = 0.5 * Vec2::new((look % 2) as f32, (look / 2) as f32);
             self.path.ask(0, points, [pair], scratch, recorder, |vertex, lobes, [u]| {
+                let u = (u + quarter).fract();
                 let answer = vertex.light_from_sky(lobes, Source::Look, self.distance, 0.0, u)?;
                 let ray = answer.ray.map(|ray| self.kept(&ray));
                 Some(Answer { ray, irradiance: share, ..answer })

@@ -392,6 +392,7 @@ impl Builder<'_> {
         let radiance = self.lighting().surface(keys, span, area)?;
         let mut material = self.scene.materials[surface.material].clone();
         material.emission = Texture::constant(radiance);
+        material.written = keys.written(self.document);
         material.emits_behind = keys.two_sided.unwrap_or(false);
         material.visible = keys.visible.unwrap_or(true);
         Ok(self.add_material(material))

@@ -99,6 +99,12 @@ impl<'a> Document<'a> {
         })
     }
 
+    /// What stands in quotation marks at `span`, if that is in the text and such a value.
+    pub(super) fn quoted_text(&self, span: &Span) -> Option<&'a str> {
+        let value = self.text.get(span.clone())?;
+        ['"', '\''].iter().find_map(|mark| value.strip_prefix(*mark)?.strip_suffix(*mark))
+    }
+
     /// The parsed text with the overrides in it. Theirs are spans beyond the text.
     fn tree(&self) -> Result<Spanned<DeValue<'a>>> {
         let table = DeTable::parse(self.text).map_err(|error| {

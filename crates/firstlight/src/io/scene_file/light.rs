@@ -260,31 +260,45 @@ impl<D: Dimensioned> Amount<D> {
 
 impl LightKeys {
     /// The light's quantity as it was written.
-    fn written(&self) -> String {
+    fn written(&self, document: &Document<'_>) -> String {
         let first = |options: [Option<String>; 3]| options.into_iter().flatten().next();
         let written = match self {
-            Self::Point(At { value, .. }) => {
-                first([text(value.power.as_ref()), text(value.intensity.as_ref()), None])
-            }
-            Self::Spot(At { value, .. }) => Some(value.intensity.value.written()),
+            Self::Point(At { value: v, .. }) => first([
+                text(v.power.as_ref(), document),
+                text(v.intensity.as_ref(), document),
+                None,
+            ]),
+            Self::Spot(At { value, .. }) => text(Some(&value.intensity), document),
             Self::Photometric(At { value, .. }) => {
-                first([text(value.power.as_ref()), Some("as measured".into()), None])
+                first([text(value.power.as_ref(), document), Some("as measured".into()), None])
             }
-            Self::Directional(At { value, .. }) => Some(value.irradiance.value.written()),
-            Self::Sun(At { value, .. }) => Some(value.irradiance.value.written()),
-            Self::Ambient(At { value, .. }) => Some(value.radiance.value.written()),
-            Self::Camera(At { value, .. }) => first([
-                text(value.irradiance.as_ref()),
-                text(value.intensity.as_ref()),
-                text(value.power.as_ref()),
+            Self::Directional(At { value, .. }) => text(Some(&value.irradiance), document),
+            Self::Sun(At { value, .. }) => text(Some(&value.irradiance), document),
+            Self::Ambient(At { value, .. }) => text(Some(&value.radiance), document),
+            Self::Camera(At { value: v, .. }) => first([
+                text(v.irradiance.as_ref(), document),
+                text(v.intensity.as_ref(), document),
+                text(v.power.as_ref(), document),
             ]),
         };
         written.unwrap_or_default()
     }
 }
 
-fn text<D: Dimensioned>(amount: Option<&At<Amount<D>>>) -> Option<String> {
-    amount.map(|amount| amount.value.written())
+impl SurfaceLightKeys {
+    /// The light's quantity as it was written.
+    pub(super) fn written(&self, document: &Document<'_>) -> String {
+        let power = text(self.power.as_ref(), document);
+        let exitance = || text(self.exitance.as_ref(), document);
+        let radiance = || text(self.radiance.as_ref(), document);
+        power.or_else(exitance).or_else(radiance).unwrap_or_default()
+    }
+}
+
+/// An amount in the author's own words; a bare number with its unit.
+fn text<D: Dimensioned>(amount: Option<&At<Amount<D>>>, document: &Document<'_>) -> Option<String> {
+    let At { span, value } = amount?;
+    Some(document.quoted_text(span).map_or_else(|| value.written(), str::to_owned))
 }
 
 /// What turns written amounts into radiometric channels.
@@ -303,7 +317,7 @@ impl Lighting<'_> {
         keys: LightKeys,
         luminaires: &mut Luminaires<'_>,
     ) -> Result<LightDescription> {
-        let written = keys.written();
+        let written = keys.written(self.document);
         let (light, shadows, radius) = match keys {
             LightKeys::Point(At { span, value }) => {
                 let (shadows, radius) = (value.shadows, value.radius);

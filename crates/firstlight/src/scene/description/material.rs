@@ -74,6 +74,8 @@ pub struct Material {
     pub interior: Option<Interior>,
     /// Radiance added to what leaves the surface, W·sr⁻¹·m⁻².
     pub emission: Texture,
+    /// What it emits as its file has it; empty if that is not known.
+    pub written: String,
     /// Whether the back emits as well as the front, if it can be seen.
     pub emits_behind: bool,
     /// What the alpha channel of `reflectance` means.
@@ -99,6 +101,7 @@ impl Material {
             occlusion: None,
             interior: None,
             emission: Texture::constant(Rgb::ZERO),
+            written: String::new(),
             emits_behind: true,
             alpha: Alpha::Opaque,
             opacity: None,
