@@ -23,7 +23,10 @@ fn a_render_says_before_and_after_what_is_wrong_each_once() {
     let line =
         "render scene.toml --strict -o a.png -D surfaces.roof.disk={center=[0,0,3.5],radius=";
     let ran = folder.run(&format!("{line}30}}"));
-    ran.fails(3, &["light \"lamp\": nothing", "it is all black", "shadow rays hit \"roof\""]);
+    ran.fails(
+        3,
+        &["light \"lamp\": nothing", "what it sees is all black", "shadow rays hit \"roof\""],
+    );
     assert_eq!(ran.stderr.matches("[light-blocked]").count(), 1, "{}", ran.stderr);
     assert!(folder.path("a.png").exists());
     folder.run(&format!("{line}0.3}} --spp 16")).done();

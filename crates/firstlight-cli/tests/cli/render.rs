@@ -179,7 +179,7 @@ fn a_black_picture_never_comes_without_a_word() {
     let away = folder.run("render scene.toml -D camera.perspective.target=[0,-6,9]");
     away.fails(0, &["warning: nothing is in front of the camera", "--camera frame"]);
     let off = folder.run("render scene.toml -D lights.lamp.point.power=0");
-    off.fails(0, &["warning: no light reaches what the camera sees"]);
+    off.fails(0, &["warning: no light reaches the camera"]);
     let dim = folder.run("render scene.toml -D lights.lamp.point.power=1mW");
     dim.fails(0, &["so dim that it comes out black", "--exposure auto"]);
     folder.write("empty.toml", "");

@@ -11,8 +11,8 @@ use std::collections::BTreeSet;
 const FIELDS: [f64; 2] = [1.5, 160.0];
 /// The part of the picture's height that all surfaces together should fill.
 const SMALLEST: f64 = 0.01;
-/// The part of all vertices that may be far outside on either side of an axis.
-const STRAY: f64 = 0.12;
+/// The part of all vertices that are most of them.
+const MOST: f64 = 0.85;
 /// Vertices that are looked at.
 const FEW_VERTICES: usize = 1 << 14;
 /// The part of the picture's height over which a point may be spread by the lens.
@@ -73,7 +73,7 @@ impl Doctor<'_> {
             .help("delete the stray ones in the program it was made with, or bring the camera near the others"))
     }
 
-    /// A box around all vertices of meshes, from some of them, but for the outermost on both sides of each axis.
+    /// A box around most of the vertices of meshes: those nearest to the one in the middle, of some of them.
     fn most_vertices(&self) -> Option<[DVec3; 2]> {
         let surfaces = self.description.surfaces.iter();
         let meshes = surfaces.filter_map(|surface| match surface.shape {
@@ -87,14 +87,15 @@ impl Doctor<'_> {
             })
             .step_by(count.div_ceil(FEW_VERTICES).max(1))
             .collect();
-        let outermost = (STRAY * vertices.len() as f64).ceil() as usize;
-        let last = vertices.len().checked_sub(1 + outermost).filter(|last| *last > outermost)?;
-        let ends = [0, 1, 2].map(|axis: usize| {
+        let middle = DVec3::from_array([0, 1, 2].map(|axis: usize| {
             let mut along: Vec<f64> = vertices.iter().map(|vertex| vertex[axis]).collect();
             along.sort_unstable_by(f64::total_cmp);
-            [along[outermost], along[last]]
-        });
-        Some([0, 1].map(|end| DVec3::from_array(ends.map(|axis: [f64; 2]| axis[end]))))
+            along.get(along.len() / 2).copied().unwrap_or(0.0)
+        }));
+        let mut away: Vec<f64> = vertices.iter().map(|vertex| vertex.distance(middle)).collect();
+        away.sort_unstable_by(f64::total_cmp);
+        let radius = DVec3::splat(*away.get((MOST * away.len() as f64) as usize)?);
+        Some([middle - radius, middle + radius])
     }
 
     /// A lens that is set to a distance at which there is nothing.
