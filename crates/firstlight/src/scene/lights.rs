@@ -214,13 +214,19 @@ impl Scene {
     /// Radiance that a light emits from a sampled point along `incoming` reversed at a time, W·sr⁻¹·m⁻²; less where it is
     /// partly transparent.
     #[inline(always)]
-    pub(crate) fn emitted_by(&self, light: &AreaLight, sample: &ShapeSample, time: f32) -> Rgb {
+    pub(crate) fn emitted_by(&self, light: &AreaLight, sample: ShapeSample, time: f32) -> Rgb {
         let material = &self.materials[self.material_of[light.surface as usize] as usize];
         let constant = material.emission.is_constant() && material.alpha == Alpha::Opaque;
         if constant && material.coat().is_none() {
             return Vec3::from_slice(&material.emission.factor);
         }
-        let surface = self.at_sample(light, sample, time);
+        self.emitted_there(light, sample, time)
+    }
+
+    #[inline(never)]
+    fn emitted_there(&self, light: &AreaLight, sample: ShapeSample, time: f32) -> Rgb {
+        let material = &self.materials[self.material_of[light.surface as usize] as usize];
+        let surface = self.at_sample(light, &sample, time);
         let alpha = || self.alpha(material, &surface);
         let there = match material.alpha {
             Alpha::Opaque => 1.0,
