@@ -185,7 +185,7 @@ impl Maker<'_> {
             for index in 0..each {
                 let u = point(number, index);
                 if let Some(sample) = light.sample(self.middle, u, None) {
-                    let radiance = self.scene.emitted_by(light, &sample, 0.0);
+                    let radiance = self.scene.emitted_by(light, sample, 0.0);
                     let ray = sample.shadow_ray(self.middle.as_vec3(), 0.0, light.error);
                     let irradiance = radiance / (sample.pdf * f64::from(each)) as f32;
                     let toward = sample.incoming.as_vec3();
@@ -223,7 +223,7 @@ impl Maker<'_> {
         ];
         let seen =
             corners.iter().find_map(|side| light.sample(0.5 * (lo + hi) + away * *side, u, None));
-        seen.map_or(Rgb::ZERO, |sample| self.scene.emitted_by(light, &sample, 0.0))
+        seen.map_or(Rgb::ZERO, |sample| self.scene.emitted_by(light, sample, 0.0))
     }
 }
 

@@ -103,6 +103,33 @@ fn one_of_many_lights_stands_for_all() {
     }
 }
 
+/// Of 1024 points the lecture asks every one; of 2048 that give the same, it asks one, and gets as much.
+#[test]
+fn of_very_many_points_one_is_asked() {
+    let lit_by = |count: u32| {
+        let mut scene = scene_of(Vec3::splat(0.5));
+        add(&mut scene, quad(DVec3::new(-1.0, -1.0, 0.0), 2.0 * DVec3::X, 2.0 * DVec3::Y));
+        for i in 0..count {
+            let (sin, cos) = (2.399_963 * f64::from(i)).sin_cos();
+            let across = 2.0 * (f64::from(i) / f64::from(count)).sqrt();
+            let position = DVec3::new(across * cos, across * sin, 1.0);
+            let intensity = Vec3::splat(1.0 / count as f32);
+            let light = Light::Point { position, intensity };
+            scene.lights.push(LightDescription::new("point", light));
+        }
+        let view = Projection::Orthographic { height: 1.0 };
+        scene.cameras.push(camera(DVec3::new(0.0, 0.0, 2.0), DVec3::ZERO, view));
+        scene.film = FilmDescription { width: 16, height: 16, samples: 256, ..scene.film };
+        let picture = picture(&scene);
+        let sum: f64 = picture.image.pixels().iter().map(|pixel| f64::from(pixel[0])).sum();
+        (sum / 256.0, picture.rays)
+    };
+    let ((all, every), (picked, one)) = (lit_by(1024), lit_by(2048));
+    assert_eq!(every.shadow, 1024 * every.camera);
+    assert_eq!(one.shadow, one.camera);
+    assert!((picked / all - 1.0).abs() < 2e-3, "{picked} is not {all}");
+}
+
 #[test]
 fn spheres_give_what_points_give_until_something_cuts_them() {
     for radius in [1e-3, 0.2, 1.0] {

@@ -1,12 +1,12 @@
 //! A few rays into a scene: what the camera sees, and from where light may come to it.
 
 use crate::geometry::{Hit, Ray};
-use crate::math::{hash, tangents};
+use crate::math::{concentric, hash, tangents};
 use crate::sampler::Sampler;
 use crate::scene::description::{Integrator, Material, Scattering};
 use crate::scene::{Meets, Scene, SeenByCamera};
 use crate::shading::interaction::SurfaceInteraction;
-use glam::{DVec2, DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 /// Rays of the camera, in the middle of the time that its shutter is open.
 const RAYS: u32 = 512;
@@ -167,8 +167,8 @@ fn onward(scene: &Scene, (arrived, from): &(Ray, Witness), number: u64) -> Ray {
 
 /// A unit direction over a surface, by the cosine.
 fn diffuse(normal: Vec3, chance: u64) -> Vec3 {
-    let unit = |bits: u64| (bits & 0xFFFF) as f64 / 65_536.0;
-    let disk = crate::math::concentric(DVec2::new(unit(chance >> 16), unit(chance >> 40)));
+    let unit = |bits: u64| (bits & 0xFFFF) as f32 / 65_536.0;
+    let disk = concentric(Vec2::new(unit(chance >> 16), unit(chance >> 40))).as_dvec2();
     let (tangent, bitangent) = tangents(normal.as_dvec3());
     let up = (1.0 - disk.length_squared()).max(1e-6).sqrt();
     (disk.x * tangent + disk.y * bitangent + up * normal.as_dvec3()).normalize().as_vec3()

@@ -26,15 +26,16 @@ use crate::color::Rgb;
 use crate::film::Sample;
 use crate::geometry::{Cone, Hit, Ray};
 use crate::sampler::{Pairs, PathPoints};
-use crate::scene::{LocalLight, LocalLights, Meets, Scene, SeenByCamera};
+use crate::scene::{Interactions, LocalLight, LocalLights, Meets, Scene, SeenByCamera};
 use crate::shading::bsdf::{Bsdf, Frame, Kind, Lobe};
 use crate::shading::interaction::{SurfaceInteraction, clearance};
 use crate::shading::light::LightSample;
-use crate::shading::light::area::AreaLight;
+use crate::shading::light::area::{AreaLight, Look, Views};
 use crate::shading::light::environment::EnvironmentSample;
+use crate::shading::light::shape::ShapeSample;
 use crate::shading::volume::HenyeyGreenstein;
 use crate::simd::Level;
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DAffine3, DVec3, Vec2, Vec3};
 use std::f32::consts::PI;
 use std::ops::Range;
 
@@ -91,6 +92,8 @@ pub(crate) struct Scratch {
     /// What leads to each ray.
     walks: Vec<Walk>,
     hits: Vec<Hit>,
+    /// The points that they met.
+    met: Vec<Option<SurfaceInteraction>>,
     vertices: Vec<Vertex>,
     /// What the vertices' surfaces do with light.
     lobes: Vec<Lobe>,
@@ -109,6 +112,8 @@ pub(crate) struct Scratch {
 struct Draws {
     paths: Vec<PathPoints>,
     pairs: [Vec<Vec2>; 2],
+    /// What the vertices see of an area light by the first pairs.
+    views: Views,
 }
 
 impl Draws {
@@ -128,6 +133,13 @@ impl Draws {
         for (number, pairs) in numbers.into_iter().zip(&mut self.pairs) {
             level.run(Pairs { paths: &self.paths, number, pairs });
         }
+    }
+
+    /// Looks from all vertices at a light, by the first of their pairs.
+    fn look(&mut self, scene: &Scene, light: &AreaLight, vertices: &[Vertex]) {
+        let from = |vertex: &Vertex| (vertex.starts[0], vertex.moved(scene, light));
+        self.views.begin(vertices.iter().map(from));
+        scene.level().run(Look { light, pairs: &self.pairs[0], views: &mut self.views });
     }
 
     /// The pairs of vertex `k`.
@@ -297,13 +309,13 @@ impl<'a> Path<'a> {
         scratch: &mut Scratch,
         recorder: &mut impl Recorder,
     ) {
-        let Scratch { rays, walks, hits, vertices, lobes, samples, on_surface, .. } = scratch;
+        let Scratch { rays, walks, hits, met, vertices, lobes, samples, on_surface, .. } = scratch;
         vertices.clear();
         lobes.clear();
-        for ((ray, walk), hit) in rays.iter().zip(&*walks).zip(&*hits) {
+        self.scene.level().run(Interactions { scene: self.scene, rays, hits, points: met });
+        for (((ray, walk), hit), surface) in rays.iter().zip(&*walks).zip(&*hits).zip(&*met) {
             let (mut walk, points) = (*walk, &points[walk.sample as usize]);
             let pairs = Bounce::new(bounce);
-            let surface = hit.is_some().then(|| self.scene.interaction(ray, hit));
             let crossing = surface.as_ref().and_then(|surface| {
                 walk.cross(self.scene, surface, || points.pair(pairs.channel()).x)
             });
@@ -323,7 +335,7 @@ impl<'a> Path<'a> {
                 continue;
             }
             recorder.follow(&walk.along(bounce, ray, hit));
-            let Some(mut surface) = surface else {
+            let Some(mut surface) = *surface else {
                 if bounce == 0 && self.transparent {
                     samples[walk.sample as usize].alpha = 0.0;
                 } else {
@@ -448,10 +460,8 @@ impl<'a> Path<'a> {
                 });
             }
             for (number, light) in (0..).zip(self.scene.area_lights.iter()) {
-                let place = [pairs.light(self.scene.round_lights.len() as u32 + number)];
-                self.ask(bounce, points, place, scratch, recorder, |vertex, lobes, [u]| {
-                    self.light_from_area(vertex, lobes, light, 1.0, u)
-                });
+                let place = pairs.light(self.scene.round_lights.len() as u32 + number);
+                self.ask_area(bounce, points, (light, place), scratch, recorder);
             }
         } else {
             let picks = [pairs.pick(), pairs.light(0)];
@@ -504,7 +514,10 @@ impl<'a> Path<'a> {
                 self.light_from_round(vertex, lobes, place, chance, u)
             }
             (LocalLight::Area(number), chance) => {
-                self.light_from_area(vertex, lobes, scene.area_lights.get(number), chance, u)
+                let light = scene.area_lights.get(number);
+                let (from, moved) = (vertex.starts[0].as_dvec3(), vertex.moved(scene, light));
+                let sample = light.sample(from, u.as_dvec2(), moved)?;
+                self.light_from_area(vertex, lobes, light, chance, sample)
             }
         }
     }
@@ -540,7 +553,7 @@ impl<'a> Path<'a> {
         vertex.light_from(lobes, source, sample, true, chance)
     }
 
-    /// From a surface that emits and had this chance of being asked.
+    /// From a point of a surface that emits and had this chance of being asked.
     #[inline(always)]
     fn light_from_area(
         &self,
@@ -548,14 +561,11 @@ impl<'a> Path<'a> {
         lobes: &[Lobe],
         light: &AreaLight,
         chance: f32,
-        u: Vec2,
+        sample: ShapeSample,
     ) -> Option<Answer> {
-        let time = vertex.walk.time;
-        let moved = self.scene.world.moved(light.surface, time);
-        let sample = light.sample(vertex.starts[0].as_dvec3(), u.as_dvec2(), moved)?;
         let incoming = sample.incoming.as_vec3();
         let (scattered, pdf, start) = vertex.scattered(lobes, incoming)?;
-        let irradiance = self.scene.emitted_by(light, &sample, time)
+        let irradiance = self.scene.emitted_by(light, sample, vertex.walk.time)
             / self.techniques.asked(chance * sample.pdf as f32, pdf);
         let ray = Some(sample.shadow_ray(start, 0.0, light.error));
         Some(Answer {
@@ -595,11 +605,44 @@ impl<'a> Path<'a> {
         recorder: &mut impl Recorder,
         light: impl Fn(&Vertex, &[Lobe], [Vec2; N]) -> Option<Answer>,
     ) {
+        scratch.draws.draw(self.scene.level(), points, &scratch.vertices, numbers);
+        self.settle(bounce, scratch, recorder, |vertex, lobes, draws, k| {
+            light(vertex, lobes, draws.get(k))
+        });
+    }
+
+    /// Asks an area light, by the pairs of numbers with this number.
+    #[inline(always)]
+    fn ask_area(
+        &self,
+        bounce: u32,
+        points: &[PathPoints],
+        (light, number): (&AreaLight, u32),
+        scratch: &mut Scratch,
+        recorder: &mut impl Recorder,
+    ) {
+        scratch.draws.draw(self.scene.level(), points, &scratch.vertices, [number]);
+        scratch.draws.look(self.scene, light, &scratch.vertices);
+        self.settle(bounce, scratch, recorder, |vertex, lobes, draws, k| {
+            let moved = vertex.moved(self.scene, light);
+            let sample = draws.views.get(k, light, vertex.starts[0], moved)?;
+            self.light_from_area(vertex, lobes, light, 1.0, sample)
+        });
+    }
+
+    /// Adds what `light` gives to each vertex, by its place, where nothing is in the way.
+    #[inline(always)]
+    fn settle(
+        &self,
+        bounce: u32,
+        scratch: &mut Scratch,
+        recorder: &mut impl Recorder,
+        light: impl Fn(&Vertex, &[Lobe], &Draws, usize) -> Option<Answer>,
+    ) {
         let Scratch { vertices, lobes, draws, shadows, samples, counts, .. } = scratch;
         shadows.clear();
-        draws.draw(self.scene.level(), points, vertices, numbers);
         for (k, vertex) in vertices.iter().enumerate() {
-            if let Some(answer) = light(vertex, lobes, draws.get(k)) {
+            if let Some(answer) = light(vertex, lobes, draws, k) {
                 let asked = answer.at(vertex, bounce);
                 shadows.ask(self.scene, &asked, vertex.media(answer.incoming), samples, recorder);
             }
@@ -631,13 +674,19 @@ fn scatter(scene: &Scene, bounce: u32, points: &[PathPoints], scratch: &mut Scra
         let start = vertex.starts[usize::from(sample.through)];
         rays.push(Ray { time: walk.time, ..Ray::new(start, sample.incoming) });
         let throughput = throughput / survival;
-        walks.push(Walk { throughput, sharp_only, media, ..*walk });
-        if let Some(walk) = walks.last_mut().filter(|_| !sample.straight) {
-            (walk.pdf, walk.bounce) = (sample.pdf, bounce);
-            walk.cone = walk.cone.scattered(sample.pdf);
-            walk.reflections += 1;
-            (walk.from, walk.normal) = (start, vertex.bsdf(lobes).horizon());
-        }
+        let straight = Walk { throughput, sharp_only, media, ..*walk };
+        walks.push(match sample.straight {
+            true => straight,
+            false => Walk {
+                pdf: sample.pdf,
+                bounce,
+                cone: walk.cone.scattered(sample.pdf),
+                reflections: walk.reflections + 1,
+                from: start,
+                normal: vertex.bsdf(lobes).horizon(),
+                ..straight
+            },
+        });
     }
 }
 
@@ -778,6 +827,12 @@ impl Vertex {
         let (starts, frame, beyond) = ([position; 2], Frame::around(outgoing), walk.media);
         let (lobes, openness) = (lobe..lobe + 1, 1.0);
         Self { walk, position, starts, frame, outgoing, lobes, beyond, openness }
+    }
+
+    /// Where a light has moved to, if it does.
+    #[inline(always)]
+    fn moved(&self, scene: &Scene, light: &AreaLight) -> Option<DAffine3> {
+        scene.world.moved(light.surface, self.walk.time)
     }
 
     /// The solids that light from `incoming` arrives through.

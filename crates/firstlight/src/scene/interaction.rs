@@ -1,11 +1,15 @@
-//! From traversal's answer to the point that is shaded.
+//! From traversal's answer to the point that is shaded, for one ray or for many.
+//!
+//! Many go in blocks: the triangles' corners are gathered, and loops over the block find points and normals.
 
 use super::Scene;
 use super::description::{Material, Mesh, Pattern, Texture};
 use crate::bvh::{MeshPart, Part};
 use crate::geometry::{Analytic, Hit, Ray};
+use crate::math::{BLOCK, Columns, unit_or_zero};
 use crate::shading::interaction::{SurfaceInteraction, clearance, lift};
 use crate::shading::texture::{Role, Spot, evaluate, uv_set};
+use crate::simd::{Kernel, Simd};
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
 impl Scene {
@@ -15,6 +19,15 @@ impl Scene {
         match self.world.motion(hit.surface) {
             None => on_part(&self.world.parts()[hit.surface as usize], ray, hit),
             Some(_) => self.moving_interaction(ray, hit),
+        }
+    }
+
+    /// The mesh that was hit, if one was and it stands still.
+    #[inline(always)]
+    fn still_mesh(&self, hit: &Hit) -> Option<&MeshPart> {
+        match self.world.parts().get(hit.surface as usize)? {
+            Part::Mesh(part) if self.world.motion(hit.surface).is_none() => Some(part),
+            _ => None,
         }
     }
 
@@ -96,7 +109,7 @@ fn on_analytic(shape: &Analytic, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
     let point = shape.point(ray, f64::from(hit.t), hit.primitive);
     let position = point.position.as_vec3();
     let outward = point.normal.as_vec3();
-    let normal = facing(outward, ray);
+    let normal = facing(outward, ray.direction);
     SurfaceInteraction {
         hit: *hit,
         position,
@@ -113,24 +126,81 @@ fn on_analytic(shape: &Analytic, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
     }
 }
 
-/// Positions are interpolated in double precision and rounded once, in world space.
+/// A point of a triangle.
+#[derive(Clone, Copy)]
+struct OnTriangle {
+    position: DVec3,
+    /// What was rounded to f32 per axis.
+    rounded: Vec3,
+    /// At a right angle to the triangle, of any length.
+    across: DVec3,
+}
+
+impl OnTriangle {
+    /// The point with weights `u` and `v` of the second and third corner. It is interpolated in double precision, to be rounded
+    /// once.
+    #[inline(always)]
+    fn new([a, b, c]: [Vec3; 3], u: f32, v: f32) -> Self {
+        let [a, b, c] = [a.as_dvec3(), b.as_dvec3(), c.as_dvec3()];
+        let (to_b, to_c) = (b - a, c - a);
+        let position = a + f64::from(u) * to_b + f64::from(v) * to_c;
+        Self { position, rounded: position.abs().as_vec3(), across: to_b.cross(to_c) }
+    }
+
+    /// The same in the world, from a mesh's own space. The ray was rounded there too.
+    #[inline(always)]
+    fn placed(self, part: &MeshPart) -> Self {
+        let (m, local) = (part.to_world.matrix3, self.position.abs());
+        let brought_back =
+            m.x_axis.abs() * local.x + m.y_axis.abs() * local.y + m.z_axis.abs() * local.z;
+        let position = part.to_world.transform_point3(self.position);
+        let rounded = (position.abs() + brought_back).as_vec3();
+        Self { position, rounded, across: part.to_object.matrix3.transpose() * self.across }
+    }
+}
+
+/// A point of a triangle seen from one side.
+#[derive(Clone, Copy)]
+struct Flat {
+    position: Vec3,
+    /// Unit normal on the side of the eye.
+    normal: Vec3,
+    clearance: f32,
+    /// Whether its corners run clockwise as seen from there.
+    clockwise: bool,
+}
+
+impl Flat {
+    /// The point in the unit direction `along`, off by at most `error`, m.
+    #[inline(always)]
+    fn new(point: OnTriangle, along: Vec3, error: f64) -> Self {
+        let wound = unit_or_zero(point.across).as_vec3();
+        let normal = facing(wound, along);
+        let clockwise = wound.dot(along) >= 0.0;
+        let clearance = clearance(normal, point.rounded, error);
+        Self { position: point.position.as_vec3(), normal, clearance, clockwise }
+    }
+}
+
 #[inline(always)]
 fn on_mesh(part: &MeshPart, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
-    let corners = part.corners(hit.primitive);
-    let [a, b, c] = corners.map(Vec3::as_dvec3);
-    let (u, v) = (f64::from(hit.u), f64::from(hit.v));
-    let local = a + u * (b - a) + v * (c - a);
-    let position = if part.instanced { part.to_world.transform_point3(local) } else { local };
-    let wound = world_normal(part, (b - a).cross(c - a));
-    let outward = facing(wound, ray);
+    let point = OnTriangle::new(part.corners(hit.primitive), hit.u, hit.v);
+    let point = if part.instanced { point.placed(part) } else { point };
+    dressed(part, ray, hit, Flat::new(point, ray.direction, part.error()))
+}
+
+/// A point of a mesh with what its vertices say of it.
+#[inline(always)]
+fn dressed(part: &MeshPart, ray: &Ray, hit: &Hit, flat: Flat) -> SurfaceInteraction {
+    let Flat { position, normal, clearance, clockwise } = flat;
     let mut interaction = SurfaceInteraction {
         hit: *hit,
-        position: position.as_vec3(),
-        front: (wound.dot(ray.direction) < 0.0) != part.mirrored,
-        clearance: clearance(outward, rounded(part, position, local), part.error()),
+        position,
+        front: clockwise == part.mirrored,
+        clearance,
         lift: Vec3::ZERO,
-        geometric_normal: outward,
-        shading_normal: outward,
+        geometric_normal: normal,
+        shading_normal: normal,
         uv: mesh_uv(&part.mesh, 0, hit),
         seen_width: 0.0,
         seen_along: ray.direction,
@@ -138,9 +208,140 @@ fn on_mesh(part: &MeshPart, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
         color: mesh_color(&part.mesh, hit),
     };
     if !part.mesh.normals.is_empty() {
-        smooth(&mut interaction, part, corners);
+        smooth(&mut interaction, part, part.corners(hit.primitive));
     }
     interaction
+}
+
+/// Finds the points that rays hit, as [`Scene::interaction`]; `None` for rays that hit nothing.
+pub(crate) struct Interactions<'a> {
+    /// Whose surfaces they are.
+    pub scene: &'a Scene,
+    /// The rays.
+    pub rays: &'a [Ray],
+    /// What they hit.
+    pub hits: &'a [Hit],
+    /// The points; what was there is replaced.
+    pub points: &'a mut Vec<Option<SurfaceInteraction>>,
+}
+
+impl Kernel for Interactions<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, _: S) {
+        let Self { scene, rays, hits, points } = self;
+        points.clear();
+        let mut block = Block::default();
+        for (rays, hits) in rays.chunks(BLOCK).zip(hits.chunks(BLOCK)) {
+            block.gather(scene, rays, hits);
+            block.find(scene, hits);
+            for (k, (ray, hit)) in rays.iter().zip(hits).enumerate() {
+                points.push(match scene.still_mesh(hit) {
+                    Some(part) => Some(dressed(part, ray, hit, block.get(k))),
+                    None => hit.is_some().then(|| scene.interaction(ray, hit)),
+                });
+            }
+        }
+    }
+}
+
+/// Points of triangles that a block of rays hit; rows of other rays mean nothing.
+struct Block {
+    corners: [Columns<f32>; 3],
+    weights: [[f32; BLOCK]; 2],
+    along: Columns<f32>,
+    error: [f64; BLOCK],
+    position: Columns<f64>,
+    rounded: Columns<f32>,
+    across: Columns<f64>,
+    flat: Flats,
+}
+
+/// A block of [`Flat`].
+struct Flats {
+    position: Columns<f32>,
+    normal: Columns<f32>,
+    clearance: [f32; BLOCK],
+    clockwise: [bool; BLOCK],
+}
+
+impl Default for Block {
+    fn default() -> Self {
+        let columns = Columns::<f32>::default;
+        let [clearance, u, v] = [[0.0; BLOCK]; 3];
+        let (position, normal, clockwise) = (columns(), columns(), [false; BLOCK]);
+        Self {
+            corners: [columns(), columns(), columns()],
+            weights: [u, v],
+            along: columns(),
+            error: [0.0; BLOCK],
+            position: Columns::default(),
+            rounded: columns(),
+            across: Columns::default(),
+            flat: Flats { position, normal, clearance, clockwise },
+        }
+    }
+}
+
+impl Block {
+    /// Takes up the triangles.
+    #[inline(always)]
+    fn gather(&mut self, scene: &Scene, rays: &[Ray], hits: &[Hit]) {
+        for (k, (ray, hit)) in rays.iter().zip(hits).enumerate() {
+            let Some(part) = scene.still_mesh(hit) else { continue };
+            let corners = part.corners(hit.primitive);
+            for (column, corner) in self.corners.iter_mut().zip(corners) {
+                column.set(k, corner);
+            }
+            (self.weights[0][k], self.weights[1][k]) = (hit.u, hit.v);
+            self.along.set(k, ray.direction);
+            self.error[k] = part.error();
+        }
+    }
+
+    /// Finds the points.
+    #[inline(always)]
+    fn find(&mut self, scene: &Scene, hits: &[Hit]) {
+        for k in 0..BLOCK {
+            let [a, b, c] = &self.corners;
+            let corners = [a.get(k), b.get(k), c.get(k)];
+            self.set(k, OnTriangle::new(corners, self.weights[0][k], self.weights[1][k]));
+        }
+        for (k, hit) in hits.iter().enumerate() {
+            if let Some(part) = scene.still_mesh(hit).filter(|part| part.instanced) {
+                self.set(k, self.on_triangle(k).placed(part));
+            }
+        }
+        for k in 0..BLOCK {
+            let flat = Flat::new(self.on_triangle(k), self.along.get(k), self.error[k]);
+            self.flat.position.set(k, flat.position);
+            self.flat.normal.set(k, flat.normal);
+            self.flat.clearance[k] = flat.clearance;
+            self.flat.clockwise[k] = flat.clockwise;
+        }
+    }
+
+    #[inline(always)]
+    fn on_triangle(&self, k: usize) -> OnTriangle {
+        let (position, rounded) = (self.position.get(k), self.rounded.get(k));
+        OnTriangle { position, rounded, across: self.across.get(k) }
+    }
+
+    #[inline(always)]
+    fn set(&mut self, k: usize, point: OnTriangle) {
+        self.position.set(k, point.position);
+        self.rounded.set(k, point.rounded);
+        self.across.set(k, point.across);
+    }
+
+    /// What was found for ray `k`.
+    #[inline(always)]
+    fn get(&self, k: usize) -> Flat {
+        let Flats { position, normal, clearance, clockwise } = &self.flat;
+        let (position, normal) = (position.get(k), normal.get(k));
+        Flat { position, normal, clearance: clearance[k], clockwise: clockwise[k] }
+    }
 }
 
 /// Replaces the flat normal by the mix of the corners' normals, and lifts the point onto the surface they suggest.
@@ -164,29 +365,9 @@ fn smooth(interaction: &mut SurfaceInteraction, part: &MeshPart, corners: [Vec3;
 
 /// A unit normal, on the side that the ray comes from; against the ray if it is zero.
 #[inline(always)]
-fn facing(normal: Vec3, ray: &Ray) -> Vec3 {
-    match normal.dot(ray.direction) {
-        _ if normal == Vec3::ZERO => -ray.direction,
-        cos if cos > 0.0 => -normal,
-        _ => normal,
-    }
-}
-
-#[inline(always)]
-fn world_normal(part: &MeshPart, normal: DVec3) -> Vec3 {
-    let normal = if part.instanced { part.to_object.matrix3.transpose() * normal } else { normal };
-    normal.normalize_or_zero().as_vec3()
-}
-
-/// What was rounded to f32 per axis: the position, and for instances the ray's origin in the mesh's space.
-#[inline(always)]
-fn rounded(part: &MeshPart, position: DVec3, local: DVec3) -> Vec3 {
-    let position = position.abs();
-    let m = part.to_world.matrix3;
-    let brought_back = m.x_axis.abs() * local.x.abs()
-        + m.y_axis.abs() * local.y.abs()
-        + m.z_axis.abs() * local.z.abs();
-    (if part.instanced { position + brought_back } else { position }).as_vec3()
+fn facing(normal: Vec3, along: Vec3) -> Vec3 {
+    let turned = if normal.dot(along) > 0.0 { -normal } else { normal };
+    if normal == Vec3::ZERO { -along } else { turned }
 }
 
 /// Interpolates a per-vertex value.
@@ -251,4 +432,66 @@ fn mesh_color(mesh: &Mesh, hit: &Hit) -> [f32; 4] {
     let [a, b, c] = mesh.triangles[hit.primitive as usize];
     let color = |index: u32| Vec4::from_array(mesh.colors[index as usize]);
     (color(a) * (1.0 - hit.u - hit.v) + color(b) * hit.u + color(c) * hit.v).to_array()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Meets;
+    use crate::scene::description::Motion;
+    use crate::simd::Level;
+    use crate::testing::{Random, bumpy_sphere, icosphere};
+    use crate::verify::scenes::*;
+    use glam::DAffine3;
+
+    /// Triangles as they are, smooth ones, stretched and mirrored copies of many, others that move, and a ball.
+    fn stage() -> Scene {
+        let mut scene = scene_of(Vec3::ONE);
+        add_mesh(&mut scene, icosphere(2));
+        add_mesh(&mut scene, bumpy_sphere(300));
+        let copies = scene.surfaces[1].clone();
+        for i in 1..4 {
+            let mut copy = copies.clone();
+            let size = DVec3::new(1.0, 1.3, if i == 2 { -0.7 } else { 0.7 });
+            let at = v(2.5 * f64::from(i), 0.0, 0.0);
+            copy.transform = DAffine3::from_scale(size) * DAffine3::from_translation(at);
+            copy.motion = (i == 3).then(|| Motion::shift(v(0.0, 0.3, 0.1)));
+            scene.surfaces.push(copy);
+        }
+        scene.surfaces[0].transform = DAffine3::from_translation(v(-2.5, 0.0, 0.0));
+        add(&mut scene, ball(v(0.0, 0.0, 3.0), 1.0));
+        Scene::build(&scene)
+    }
+
+    #[test]
+    fn many_points_are_those_that_each_ray_finds_alone() {
+        let (scene, mut random) = (stage(), Random::new(5));
+        let rays: Vec<_> = (0..5000)
+            .map(|_| {
+                let [from, to] =
+                    [0, 1].map(|_| Vec3::from_array([0; 3].map(|_| random.unit() as f32)));
+                let from = 8.0 * from - Vec3::splat(4.0);
+                let to = Vec3::new(12.0 * to.x - 3.5, 2.0 * to.y - 1.0, 5.0 * to.z - 1.0);
+                let time = random.unit() as f32;
+                Ray { time, ..Ray::new(from, (to - from).normalize()) }
+            })
+            .collect();
+        let (mut hits, mut points) = (Vec::new(), Vec::new());
+        scene.world.closest_hits(&rays, &Meets(&scene, 0), &mut hits);
+        let instanced = |hit: &&Hit| scene.still_mesh(hit).is_some_and(|part| part.instanced);
+        assert!(hits.iter().filter(instanced).count() > 100);
+        for level in Level::all() {
+            level.run(Interactions {
+                scene: &scene,
+                rays: &rays,
+                hits: &hits,
+                points: &mut points,
+            });
+            assert_eq!(points.len(), rays.len());
+            for ((ray, hit), point) in rays.iter().zip(&hits).zip(&points) {
+                let alone = hit.is_some().then(|| scene.interaction(ray, hit));
+                assert_eq!(format!("{point:?}"), format!("{alone:?}"));
+            }
+        }
+    }
 }

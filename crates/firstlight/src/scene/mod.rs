@@ -16,6 +16,7 @@ pub(crate) use build::light_middle;
 pub(crate) use filter::{Everything, Meets, OnlyPanes, SeenByCamera, Solid, StopsLight};
 pub(crate) use framing::middle;
 pub use framing::{bounds, frame};
+pub(crate) use interaction::Interactions;
 pub(crate) use lights::{LocalLight, LocalLights};
 pub(crate) use material::Boundary;
 pub use studio::Studio;

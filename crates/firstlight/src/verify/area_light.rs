@@ -198,7 +198,7 @@ fn a17(readings: &mut Readings) {
             let scene = Scene::build(&scene);
             let meter = Meter::new(&scene).samples(64);
             let inward = |outward: DVec3| meter.irradiance(20.0 * outward, -outward).value.x;
-            4.0 * PI * 400.0 * mean_over_sphere(24, seed, |outward| inward(outward).into())
+            4.0 * PI * 400.0 * mean_over_sphere(32, seed, |outward| inward(outward).into())
         };
         readings.repeated(at, measure, sides * PI * 3.0);
     }

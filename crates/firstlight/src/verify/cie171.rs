@@ -3,6 +3,7 @@
 //! for luminance: nothing here depends on the luminous efficacy.
 
 mod daylight;
+mod standard;
 
 use super::closed_forms::{polygon, rectangle};
 use super::scenes::*;
@@ -13,6 +14,37 @@ use crate::scene::Scene;
 use crate::scene::description::*;
 use glam::DVec3;
 use std::f64::consts::PI;
+
+/// A roof under one of the CIE's skies, by its number.
+macro_rules! roof {
+    ($sky:literal) => {
+        daylight::case(
+            concat!("Q59-cie-roof-sky", $sky),
+            concat!(
+                "5.9: a black room with a hole in its roof, and without a roof, under CIE sky ",
+                $sky
+            ),
+            |readings| daylight::roof(readings, $sky, &[1.0, 4.0]),
+        )
+        .slow()
+    };
+}
+
+/// A facade before one of the CIE's skies, by its number.
+macro_rules! facade {
+    ($sky:literal) => {
+        daylight::case(
+            concat!("Q511-facade-sky", $sky),
+            concat!(
+                "5.11: an opening of 2 m × 1 m, and a whole wall, to CIE sky ",
+                $sky,
+                " and the ground"
+            ),
+            |readings| daylight::facade(readings, $sky, &[[2.0, 1.0], [4.0, 3.0]]),
+        )
+        .slow()
+    };
+}
 
 pub(super) const CASES: &[Case] = &[
     Case::exact(
@@ -62,18 +94,24 @@ pub(super) const CASES: &[Case] = &[
         "Q59-cie-roof-1x1-sky1",
         "5.9: a black room with a hole of 1 m × 1 m in its roof under CIE sky 1",
         |readings| daylight::roof(readings, 1, &[1.0]),
-    ),
+    )
+    .slow(),
     daylight::case(
         "Q59-cie-roof-4x4-sky1",
         "5.9: a black room without a roof under CIE sky 1",
         |readings| daylight::roof(readings, 1, &[4.0]),
-    )
-    .slow(),
+    ),
     daylight::case(
         "Q59-cie-roof-4x4-sky5",
         "5.9: a black room without a roof under a uniform sky",
         |readings| daylight::roof(readings, 5, &[4.0]),
     ),
+    daylight::case(
+        "Q59-cie-roof-1x1-sky5",
+        "5.9: a black room with a hole of 1 m × 1 m in its roof under a uniform sky",
+        |readings| daylight::roof(readings, 5, &[1.0]),
+    )
+    .slow(),
     daylight::case(
         "Q59-cie-roof-4x4-sky12",
         "5.9: a black room without a roof under CIE sky 12",
@@ -81,41 +119,23 @@ pub(super) const CASES: &[Case] = &[
     )
     .slow(),
     daylight::case(
-        "Q59-cie-roof-sky2",
-        "5.9: a black room with a hole in its roof, and without a roof, under CIE sky 2",
-        |readings| daylight::roof(readings, 2, &[1.0, 4.0]),
+        "Q59-cie-roof-1x1-sky12",
+        "5.9: a black room with a hole of 1 m × 1 m in its roof under CIE sky 12",
+        |readings| daylight::roof(readings, 12, &[1.0]),
     )
     .slow(),
-    daylight::case(
-        "Q59-cie-roof-sky4",
-        "5.9: a black room with a hole in its roof, and without a roof, under CIE sky 4",
-        |readings| daylight::roof(readings, 4, &[1.0, 4.0]),
-    )
-    .slow(),
-    daylight::case(
-        "Q59-cie-roof-sky6",
-        "5.9: a black room with a hole in its roof, and without a roof, under CIE sky 6",
-        |readings| daylight::roof(readings, 6, &[1.0, 4.0]),
-    )
-    .slow(),
-    daylight::case(
-        "Q59-cie-roof-sky8",
-        "5.9: a black room with a hole in its roof, and without a roof, under CIE sky 8",
-        |readings| daylight::roof(readings, 8, &[1.0, 4.0]),
-    )
-    .slow(),
-    daylight::case(
-        "Q59-cie-roof-sky10",
-        "5.9: a black room with a hole in its roof, and without a roof, under CIE sky 10",
-        |readings| daylight::roof(readings, 10, &[1.0, 4.0]),
-    )
-    .slow(),
-    daylight::case(
-        "Q59-cie-roof-sky13",
-        "5.9: a black room with a hole in its roof, and without a roof, under CIE sky 13",
-        |readings| daylight::roof(readings, 13, &[1.0, 4.0]),
-    )
-    .slow(),
+    roof!(2),
+    roof!(3),
+    roof!(4),
+    roof!(6),
+    roof!(7),
+    roof!(8),
+    roof!(9),
+    roof!(10),
+    roof!(11),
+    roof!(13),
+    roof!(14),
+    roof!(15),
     daylight::case(
         "Q510-roof-glass-1x1",
         "5.10: the hole of 1 m × 1 m under a uniform sky, with a pane in it",
@@ -130,42 +150,20 @@ pub(super) const CASES: &[Case] = &[
     daylight::case("Q511-facade-4x3-sky5", "5.11: the same with a whole wall open", |readings| {
         daylight::facade(readings, 5, &[[4.0, 3.0]])
     }),
-    daylight::case(
-        "Q511-facade-sky2",
-        "5.11: an opening of 2 m × 1 m, and a whole wall, to CIE sky 2 and the ground",
-        |readings| daylight::facade(readings, 2, &[[2.0, 1.0], [4.0, 3.0]]),
-    )
-    .slow(),
-    daylight::case(
-        "Q511-facade-sky4",
-        "5.11: an opening of 2 m × 1 m, and a whole wall, to CIE sky 4 and the ground",
-        |readings| daylight::facade(readings, 4, &[[2.0, 1.0], [4.0, 3.0]]),
-    )
-    .slow(),
-    daylight::case(
-        "Q511-facade-sky6",
-        "5.11: an opening of 2 m × 1 m, and a whole wall, to CIE sky 6 and the ground",
-        |readings| daylight::facade(readings, 6, &[[2.0, 1.0], [4.0, 3.0]]),
-    )
-    .slow(),
-    daylight::case(
-        "Q511-facade-sky8",
-        "5.11: an opening of 2 m × 1 m, and a whole wall, to CIE sky 8 and the ground",
-        |readings| daylight::facade(readings, 8, &[[2.0, 1.0], [4.0, 3.0]]),
-    )
-    .slow(),
-    daylight::case(
-        "Q511-facade-sky10",
-        "5.11: an opening of 2 m × 1 m, and a whole wall, to CIE sky 10 and the ground",
-        |readings| daylight::facade(readings, 10, &[[2.0, 1.0], [4.0, 3.0]]),
-    )
-    .slow(),
-    daylight::case(
-        "Q511-facade-sky13",
-        "5.11: an opening of 2 m × 1 m, and a whole wall, to CIE sky 13 and the ground",
-        |readings| daylight::facade(readings, 13, &[[2.0, 1.0], [4.0, 3.0]]),
-    )
-    .slow(),
+    facade!(1),
+    facade!(2),
+    facade!(3),
+    facade!(4),
+    facade!(6),
+    facade!(7),
+    facade!(8),
+    facade!(9),
+    facade!(10),
+    facade!(11),
+    facade!(12),
+    facade!(13),
+    facade!(14),
+    facade!(15),
 ];
 
 /// Every half metre from a quarter.

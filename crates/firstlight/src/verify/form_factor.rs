@@ -73,7 +73,7 @@ fn f04(readings: &mut Readings) {
         let measure = |seed| {
             scene.film.seed = seed;
             let (scene, mut random) = (Scene::build(&scene), Random::new(seed));
-            let meter = Meter::new(&scene).samples(1024);
+            let meter = Meter::new(&scene).samples(4096);
             let irradiance = |ring: u32| {
                 let r = ((f64::from(ring) + random.unit()) / f64::from(rings)).sqrt();
                 f64::from(meter.irradiance(v(r, 0.0, 0.0), DVec3::Z).value.x)

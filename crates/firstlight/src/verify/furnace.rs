@@ -200,9 +200,9 @@ fn isothermal_room() -> SceneDescription {
 
 /// Each pixel of a picture.
 fn c21(readings: &mut Readings) {
-    const SIDE: u32 = 24;
+    const SIDE: u32 = 16;
     let mut scene = isothermal_room();
-    scene.film = FilmDescription { width: SIDE, height: SIDE, samples: 512, ..scene.film };
+    scene.film = FilmDescription { width: SIDE, height: SIDE, samples: 1024, ..scene.film };
     let pictures: Vec<_> = (0..Readings::REPETITIONS)
         .map(|seed| {
             scene.film.seed = seed;

@@ -164,8 +164,8 @@ impl Readings {
         }
     }
 
-    /// What a meter shows in its first channel, well enough for the tolerance; where that is cheap, well enough to find a
-    /// bias of half the tolerance in a table of hundreds of readings.
+    /// What a meter shows in its first channel, well enough for the tolerance, which chance alone then does not exceed once
+    /// in thousands of readings; where that is cheap, well enough to find a bias of half the tolerance in hundreds.
     pub(super) fn meter(
         &mut self,
         at: impl ToString,
@@ -173,7 +173,7 @@ impl Readings {
         expected: f64,
     ) {
         let allowed = self.tolerance.of(expected);
-        let enough = |samples| if samples < CHEAP_SAMPLES { allowed / 16.0 } else { allowed / 3.0 };
+        let enough = |samples| if samples < CHEAP_SAMPLES { allowed / 16.0 } else { allowed / 5.0 };
         self.meter_to(at, measure, enough, expected);
     }
 

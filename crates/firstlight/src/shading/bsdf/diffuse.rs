@@ -1,16 +1,16 @@
 //! Light that is scattered in a rough, pale ground.
 
 use crate::color::Rgb;
-use crate::math::concentric_polar;
+use crate::math::concentric;
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
 
 /// A direction of the upper hemisphere in proportion to its cosine: points of a disk, lifted onto the hemisphere above
 /// (Malley).
+#[inline(always)]
 pub(crate) fn cosine_weighted(u: Vec2) -> Vec3 {
-    let (radius, angle) = concentric_polar(u.as_dvec2());
-    let up = (1.0 - radius * radius).max(0.0).sqrt() as f32;
-    (radius as f32 * Vec2::from_angle(angle as f32)).extend(up)
+    let radius = (2.0 * u - 1.0).abs().max_element();
+    concentric(u).extend(((1.0 - radius) * (1.0 + radius)).sqrt())
 }
 
 /// The energy-preserving Oren–Nayar model: a matte surface of many small matte facets.

@@ -1,11 +1,15 @@
 //! Surfaces that emit, as lights: their shapes, and which of them a ray has met.
 
-use super::shape::{CylinderSide, Ellipsoid, EllipticDisk, LightShape, Parallelogram, ShapeSample};
+use super::shape::{
+    CylinderSide, Ellipsoid, EllipticDisk, LightShape, Parallelogram, ShapeSample, ShapeSamples,
+};
 use super::tree::{EmissionCone, LightBounds};
 use crate::geometry::{Analytic, Piece, Ray};
+use crate::math::{BLOCK, Columns};
 use crate::scene::description::Motion;
 use crate::shading::interaction::clearance;
-use glam::{DAffine3, DVec2, DVec3, Vec3};
+use crate::simd::{Kernel, Simd};
+use glam::{DAffine3, DVec2, DVec3, Vec2, Vec3};
 
 /// One part of a surface that emits.
 #[derive(Debug, Clone)]
@@ -37,40 +41,101 @@ impl AreaLight {
 
     /// A point of the light that sends light to `from`, picked by two numbers in 0..1. `moved`: where the light has moved to,
     /// turned and grown evenly to all sides, if it does.
-    #[inline(always)]
     pub(crate) fn sample(
         &self,
         from: DVec3,
         u: DVec2,
         moved: Option<DAffine3>,
     ) -> Option<ShapeSample> {
-        let sample = match moved {
-            None => self.shape.sample(from, u),
-            Some(moved) => self.sample_moved(from, u, &moved),
-        }?;
-        (self.two_sided || sample.normal.dot(sample.incoming) < 0.0).then_some(sample)
+        let sample = self.shape.sample(as_before(from, moved), u)?;
+        self.shining(sample, from, moved)
     }
 
-    /// What moves together is seen under the same angles, so that densities stay what they are.
-    fn sample_moved(&self, from: DVec3, u: DVec2, moved: &DAffine3) -> Option<ShapeSample> {
-        let sample = self.shape.sample(moved.inverse().transform_point3(from), u)?;
-        let position = moved.transform_point3(sample.position);
-        Some(ShapeSample {
-            position,
-            normal: moved.transform_vector3(sample.normal).normalize(),
-            incoming: moved.transform_vector3(sample.incoming).normalize(),
-            distance: position.distance(from),
-            ..sample
-        })
+    /// A sample of the shape before it moved, as one of the light; `None` if it sends no light to `from`.
+    #[inline(always)]
+    fn shining(
+        &self,
+        sample: ShapeSample,
+        from: DVec3,
+        moved: Option<DAffine3>,
+    ) -> Option<ShapeSample> {
+        let sample = match moved {
+            None => sample,
+            Some(moved) => sample.moved(from, &moved),
+        };
+        (self.two_sided || sample.normal.dot(sample.incoming) < 0.0).then_some(sample)
     }
 
     /// See [`LightShape::pdf`]; `moved` as for [`AreaLight::sample`].
     #[inline(always)]
     pub(crate) fn pdf(&self, from: DVec3, position: DVec3, moved: Option<DAffine3>) -> f64 {
-        let back = moved.map(|moved| moved.inverse());
-        let [from, position] =
-            [from, position].map(|p| back.map_or(p, |back| back.transform_point3(p)));
-        self.shape.pdf(from, position)
+        self.shape.pdf(as_before(from, moved), as_before(position, moved))
+    }
+}
+
+/// A point where it was before everything moved.
+#[inline(always)]
+fn as_before(point: DVec3, moved: Option<DAffine3>) -> DVec3 {
+    moved.map_or(point, |moved| moved.inverse().transform_point3(point))
+}
+
+/// What many points see of an area light.
+#[derive(Debug, Default)]
+pub(crate) struct Views {
+    from: Vec<Columns<f64>>,
+    samples: Vec<ShapeSamples>,
+    count: usize,
+}
+
+impl Views {
+    /// From each of `points`, m, with where the light has moved to when it is seen, if it does.
+    pub(crate) fn begin(&mut self, points: impl Iterator<Item = (Vec3, Option<DAffine3>)>) {
+        self.count = 0;
+        for (point, moved) in points {
+            let (block, k) = (self.count / BLOCK, self.count % BLOCK);
+            if block == self.from.len() {
+                self.from.push(Columns::default());
+                self.samples.push(ShapeSamples::default());
+            }
+            self.from[block].set(k, as_before(point.as_dvec3(), moved));
+            self.count += 1;
+        }
+    }
+
+    /// What point `k`, at `from`, sees of `light`.
+    #[inline(always)]
+    pub(crate) fn get(
+        &self,
+        k: usize,
+        light: &AreaLight,
+        from: Vec3,
+        moved: Option<DAffine3>,
+    ) -> Option<ShapeSample> {
+        light.shining(self.samples[k / BLOCK].get(k % BLOCK)?, from.as_dvec3(), moved)
+    }
+}
+
+/// Looks from all points of `views` at a light, each by its pair of numbers in 0..1.
+pub(crate) struct Look<'a> {
+    /// The light.
+    pub light: &'a AreaLight,
+    /// The numbers.
+    pub pairs: &'a [Vec2],
+    /// From where, and what is seen.
+    pub views: &'a mut Views,
+}
+
+impl Kernel for Look<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, _: S) {
+        let Views { from, samples, .. } = self.views;
+        for ((pairs, from), samples) in self.pairs.chunks(BLOCK).zip(from).zip(samples) {
+            let mut block = [Vec2::ZERO; BLOCK];
+            block[..pairs.len()].copy_from_slice(pairs);
+            self.light.shape.sample_all(from, &block, pairs.len(), samples);
+        }
     }
 }
 
@@ -130,6 +195,19 @@ pub(crate) fn shapes(surface: &Analytic) -> Vec<Option<LightShape>> {
 }
 
 impl ShapeSample {
+    /// The same after the light has moved. What moves together is seen under the same angles, so that densities stay what
+    /// they are.
+    fn moved(self, from: DVec3, by: &DAffine3) -> Self {
+        let position = by.transform_point3(self.position);
+        Self {
+            position,
+            normal: by.transform_vector3(self.normal).normalize(),
+            incoming: by.transform_vector3(self.incoming).normalize(),
+            distance: position.distance(from),
+            ..self
+        }
+    }
+
     /// The shadow ray from `start` that ends just before the light, up to `error` off, on the side that is seen.
     #[inline(always)]
     pub(crate) fn shadow_ray(&self, start: Vec3, t_min: f32, error: f64) -> Ray {

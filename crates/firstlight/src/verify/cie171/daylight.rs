@@ -1,11 +1,10 @@
 //! CIE 171:2006, 5.9 to 5.11: daylight through one opening of a black room, under the CIE's general skies. What arrives is
 //! given in percent of what the whole sky gives to the ground outside.
 
-use super::{on_wall, steps, walls};
+use super::{on_wall, standard, steps, walls};
 use crate::integrator::{Measurement, Meter};
 use crate::scene::Scene;
 use crate::scene::description::*;
-use crate::shading::light::environment::CieSky;
 use crate::verify::closed_forms::over_square;
 use crate::verify::scenes::*;
 use crate::verify::{Case, Readings, Tolerance};
@@ -89,7 +88,6 @@ struct Opening {
 struct Outside {
     number: u8,
     sun: DVec3,
-    sky: CieSky,
     /// What the sky gives to the ground, where its zenith has radiance 1, W·m⁻².
     horizontal: f64,
     /// Radiance of the ground, W·sr⁻¹·m⁻².
@@ -105,17 +103,16 @@ struct Room {
 
 impl Outside {
     fn new(number: u8, reflectance: f64, sun: DVec3) -> Self {
-        let sky = CieSky::new(number, sun);
         // Equal parts of the square are equal parts of the projected hemisphere.
         let horizontal = over_square(400, |st| {
             let from = DVec2::from_angle(TAU * st.x) * st.y.sqrt();
-            PI * sky.relative(from.extend((1.0 - st.y).sqrt()))
+            PI * standard::luminance(number, sun, from.extend((1.0 - st.y).sqrt()))
         });
-        Self { number, sun, sky, horizontal, ground: reflectance / PI * horizontal }
+        Self { number, sun, horizontal, ground: reflectance / PI * horizontal }
     }
 
     fn radiance(&self, from: DVec3) -> f64 {
-        if from.z > 0.0 { self.sky.relative(from) } else { self.ground }
+        if from.z > 0.0 { standard::luminance(self.number, self.sun, from) } else { self.ground }
     }
 
     fn description(&self) -> Option<EnvironmentDescription> {
@@ -266,13 +263,19 @@ mod tests {
         for (number, all) in [
             (1, [35.8228502, 14.3601419, 31.8575248, 43.3242775]),
             (2, [40.3685391, 19.7474037, 41.9615089, 50.0829817]),
+            (3, [40.9624711, 13.5899358, 29.1471062, 39.1960842]),
             (4, [45.3442639, 18.9967879, 39.1369883, 46.1639051]),
             (5, [45.1226036, 12.9673724, 26.7951875, 35.5665925]),
             (6, [49.5752602, 18.3773506, 36.5891112, 42.5701489]),
+            (7, [51.5024494, 22.7084411, 44.0249399, 47.1227147]),
             (8, [53.1016854, 26.5634499, 50.5774783, 51.1136169]),
-            (10, [61.7363471, 21.0546892, 37.7789375, 38.9775647]),
+            (9, [60.2953350, 16.7554063, 30.6723087, 34.4098025]),
+            (10, [61.7363471, 21.0545892, 37.7789375, 38.9775647]),
+            (11, [62.9198349, 25.0190759, 44.3039387, 43.1602856]),
             (12, [67.278023, 24.1954735, 42.2831133, 40.9150653]),
             (13, [68.1528968, 27.0769707, 47.0132978, 44.0391898]),
+            (14, [73.3281661, 26.1323459, 44.8958038, 41.8215301]),
+            (15, [74.7952815, 28.2147803, 48.3589904, 44.3362507]),
         ] {
             let room = roof_of(number, 4.0, None);
             for (at, value) in ["A", "F", "G", "J"].into_iter().zip(all) {
@@ -285,12 +288,16 @@ mod tests {
             let found = expected(&glazed, wall_and_floor(), at);
             assert!((found / value - 1.0).abs() < 1e-4, "glazed {at}: {found}");
         }
-        let outside = Outside::new(2, GROUND, v(0.0, -0.5, 0.75_f64.sqrt()));
-        let opening = Opening::centred(FRONT, [1.0, 2.0]);
-        let facade = Room { outside, opening, pane: None };
-        for (at, value) in [("A", 0.950682247), ("F", 1.82990035), ("M", 13.6548667)] {
-            let found = expected(&facade, all_around(), at);
-            assert!((found / value - 1.0).abs() < 1e-4, "facade {at}: {found}");
+        for (number, lowest, floor) in
+            [(2, 1.82990035, 13.6548667), (9, 4.8181624, 10.3033798), (15, 5.5804167, 19.2752406)]
+        {
+            let outside = Outside::new(number, GROUND, v(0.0, -0.5, 0.75_f64.sqrt()));
+            let opening = Opening::centred(FRONT, [1.0, 2.0]);
+            let facade = Room { outside, opening, pane: None };
+            for (at, value) in [("A", 0.950682247), ("F", lowest), ("M", floor)] {
+                let found = expected(&facade, all_around(), at);
+                assert!((found / value - 1.0).abs() < 1e-4, "facade {number} {at}: {found}");
+            }
         }
     }
 }

@@ -8,7 +8,6 @@ mod table;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use cie::CieSky;
 pub(crate) use preetham::TURBIDITIES;
 pub(crate) use sky::sunlight;
 pub(crate) use sun::Sun;

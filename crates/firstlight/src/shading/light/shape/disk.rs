@@ -29,7 +29,7 @@ impl EllipticDisk {
 
     /// Every point of the disk is picked alike.
     pub(super) fn sample(&self, from: DVec3, u: DVec2) -> Option<ShapeSample> {
-        let place = concentric(u);
+        let place = concentric(u.as_vec2()).as_dvec2();
         let position = self.center + place.x * self.across[0] + place.y * self.across[1];
         ShapeSample::new(from, position, self.normal, self.pdf(from, position))
     }

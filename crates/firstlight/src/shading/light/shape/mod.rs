@@ -18,7 +18,9 @@ pub(crate) use polygon::{Parallelogram, Triangle};
 
 use super::tree::EmissionCone;
 use crate::geometry::Bounds;
-use glam::{DVec2, DVec3};
+use crate::math::{BLOCK, Columns};
+use glam::{DVec2, DVec3, Vec2};
+use polygon::Flat;
 use std::f64::consts::FRAC_1_PI;
 
 /// The shape of a light in the world.
@@ -51,7 +53,99 @@ pub(crate) struct ShapeSample {
     pub pdf: f64,
 }
 
+/// What a block of points sees of a light.
+#[derive(Debug, Clone)]
+pub(crate) struct ShapeSamples {
+    position: Columns<f64>,
+    normal: Columns<f64>,
+    incoming: Columns<f64>,
+    distance: [f64; BLOCK],
+    pdf: [f64; BLOCK],
+}
+
+impl Default for ShapeSamples {
+    fn default() -> Self {
+        let [position, normal, incoming] = std::array::from_fn(|_| Columns::default());
+        Self { position, normal, incoming, distance: [0.0; BLOCK], pdf: [0.0; BLOCK] }
+    }
+}
+
+impl ShapeSamples {
+    /// What point `k` sees; `None` if that is nothing.
+    #[inline(always)]
+    pub(crate) fn get(&self, k: usize) -> Option<ShapeSample> {
+        (self.pdf[k] > 0.0).then(|| ShapeSample {
+            position: self.position.get(k),
+            normal: self.normal.get(k),
+            incoming: self.incoming.get(k),
+            distance: self.distance[k],
+            pdf: self.pdf[k],
+        })
+    }
+
+    #[inline(always)]
+    fn set(&mut self, k: usize, sample: Option<ShapeSample>) {
+        let sample = sample.unwrap_or(ShapeSample::NOTHING);
+        self.position.set(k, sample.position);
+        self.normal.set(k, sample.normal);
+        self.incoming.set(k, sample.incoming);
+        self.distance[k] = sample.distance;
+        self.pdf[k] = sample.pdf;
+    }
+}
+
+/// What the first `count` points of a block see of a flat shape: of all as if from afar, then of those that are near.
+#[inline(always)]
+fn sample_flat(
+    shape: &impl Flat,
+    from: &Columns<f64>,
+    u: &[Vec2; BLOCK],
+    count: usize,
+    into: &mut ShapeSamples,
+) {
+    let (mut near, mut nears) = ([0; BLOCK], 0);
+    for (k, u) in u.iter().enumerate() {
+        into.set(k, shape.sample_afar(from.get(k), u.as_dvec2()));
+    }
+    for k in 0..count {
+        near[nears] = k;
+        nears += usize::from(!shape.is_far(from.get(k)));
+    }
+    let (mut near_from, mut near_u) = (Columns::<f64>::default(), [Vec2::ZERO; BLOCK]);
+    for (i, &k) in near[..nears].iter().enumerate() {
+        near_from.set(i, from.get(k));
+        near_u[i] = u[k];
+    }
+    let mut samples = ShapeSamples::default();
+    for (i, u) in near_u[..nears].iter().enumerate() {
+        samples.set(i, shape.sample_near(near_from.get(i), u.as_dvec2()));
+    }
+    for (i, &k) in near[..nears].iter().enumerate() {
+        into.set(k, samples.get(i));
+    }
+}
+
 impl LightShape {
+    /// What the first `count` points of a block see, as [`LightShape::sample`] says, each by its own two numbers.
+    #[inline(always)]
+    pub(crate) fn sample_all(
+        &self,
+        from: &Columns<f64>,
+        u: &[Vec2; BLOCK],
+        count: usize,
+        into: &mut ShapeSamples,
+    ) {
+        match self {
+            Self::Parallelogram(shape) => sample_flat(shape, from, u, count, into),
+            Self::Triangle(shape) => sample_flat(shape, from, u, count, into),
+            _ => {
+                for (k, u) in u[..count].iter().enumerate() {
+                    into.set(k, self.sample(from.get(k), u.as_dvec2()));
+                }
+            }
+        }
+    }
+
     /// A point of the light that `from` may see, picked by two numbers in 0..1; `None` if the light has no extent
     /// from there.
     pub(crate) fn sample(&self, from: DVec3, u: DVec2) -> Option<ShapeSample> {
@@ -115,13 +209,24 @@ fn box_around(center: DVec3, half: DVec3) -> Bounds {
 }
 
 impl ShapeSample {
+    /// Nothing is seen.
+    const NOTHING: Self = Self {
+        position: DVec3::ZERO,
+        normal: DVec3::ZERO,
+        incoming: DVec3::ZERO,
+        distance: 0.0,
+        pdf: 0.0,
+    };
+
     /// `None` if the density is no positive number, as at a point of the light itself or in its plane, or if the light
     /// is too thin to have a normal.
     #[inline(always)]
     fn new(from: DVec3, position: DVec3, normal: DVec3, pdf: f64) -> Option<Self> {
         let to_light = position - from;
         let distance = to_light.length();
-        let usable = pdf > 0.0 && pdf.is_finite() && distance > 0.0 && normal.is_finite();
+        // Comparisons, which loops over blocks can make several at a time.
+        let has_normal = normal.length_squared() > 0.0;
+        let usable = pdf > 0.0 && pdf < f64::INFINITY && distance > 0.0 && has_normal;
         let incoming = to_light / distance;
         usable.then_some(Self { position, normal, incoming, distance, pdf })
     }

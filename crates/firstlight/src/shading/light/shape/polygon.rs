@@ -13,10 +13,11 @@
 
 use super::ShapeSample;
 use crate::geometry::Bounds;
+use crate::math::{angle_above, on_circle, unit_or_zero};
 use glam::{DAffine3, DVec2, DVec3};
 
 /// From further away than so many diagonals, shapes are seen from afar.
-const AFAR: f64 = 2.0;
+const AFAR: f64 = 1.5;
 
 /// A triangle.
 #[derive(Debug, Clone, Copy)]
@@ -72,6 +73,12 @@ impl Corner {
         ShapeSample::new(from, self.at(place), self.normal, pdf)
     }
 
+    /// The same if points of `area` m² are picked evenly.
+    #[inline(always)]
+    fn sample_evenly(&self, from: DVec3, place: DVec2, area: f64) -> Option<ShapeSample> {
+        self.sample(from, place, self.even_pdf(from, self.at(place), area))
+    }
+
     fn bounds<const N: usize>(&self, ends: [DVec2; N]) -> Bounds {
         Bounds::around(ends.map(|end| self.at(end).as_vec3()))
     }
@@ -101,17 +108,6 @@ impl Triangle {
         Self(Corner::new(a, [b - a, c - a]))
     }
 
-    pub(super) fn sample(&self, from: DVec3, u: DVec2) -> Option<ShapeSample> {
-        if self.0.is_far(from) {
-            let place = folded(u);
-            let pdf = self.0.even_pdf(from, self.0.at(place), self.area());
-            return self.0.sample(from, place, pdf);
-        }
-        let fan = self.seen(from);
-        let place = within_triangle(self.0.on_plane(from, fan.direction(u)));
-        self.0.sample(from, place, fan.pdf())
-    }
-
     pub(super) fn pdf(&self, from: DVec3, position: DVec3) -> f64 {
         if self.0.is_far(from) {
             return self.0.even_pdf(from, position, self.area());
@@ -131,6 +127,7 @@ impl Triangle {
         0.5 * self.0.area
     }
 
+    #[inline(always)]
     fn seen(&self, from: DVec3) -> Fan<2> {
         let a = self.0.position - from;
         Fan::new(a, self.0.edges.map(|edge| a + edge))
@@ -147,16 +144,6 @@ impl Parallelogram {
             edges.reverse();
         }
         Self(Corner::new(to_world.translation, edges))
-    }
-
-    pub(super) fn sample(&self, from: DVec3, u: DVec2) -> Option<ShapeSample> {
-        if self.0.is_far(from) {
-            let pdf = self.0.even_pdf(from, self.0.at(u), self.area());
-            return self.0.sample(from, u, pdf);
-        }
-        let fan = self.seen(from);
-        let place = self.0.on_plane(from, fan.direction(u)).clamp(DVec2::ZERO, DVec2::ONE);
-        self.0.sample(from, place, fan.pdf())
     }
 
     pub(super) fn pdf(&self, from: DVec3, position: DVec3) -> f64 {
@@ -178,6 +165,7 @@ impl Parallelogram {
         self.0.area
     }
 
+    #[inline(always)]
     fn seen(&self, from: DVec3) -> Fan<3> {
         let a = self.0.position - from;
         let [u, v] = self.0.edges;
@@ -185,9 +173,65 @@ impl Parallelogram {
     }
 }
 
+/// A shape that looks different from near and from afar.
+pub(super) trait Flat {
+    /// Whether all points look nearly alike from there.
+    fn is_far(&self, from: DVec3) -> bool;
+
+    /// A sample from afar.
+    fn sample_afar(&self, from: DVec3, u: DVec2) -> Option<ShapeSample>;
+
+    /// A sample from near.
+    fn sample_near(&self, from: DVec3, u: DVec2) -> Option<ShapeSample>;
+
+    /// A sample from anywhere.
+    fn sample(&self, from: DVec3, u: DVec2) -> Option<ShapeSample> {
+        if self.is_far(from) { self.sample_afar(from, u) } else { self.sample_near(from, u) }
+    }
+}
+
+impl Flat for Triangle {
+    #[inline(always)]
+    fn is_far(&self, from: DVec3) -> bool {
+        self.0.is_far(from)
+    }
+
+    #[inline(always)]
+    fn sample_afar(&self, from: DVec3, u: DVec2) -> Option<ShapeSample> {
+        self.0.sample_evenly(from, folded(u), self.area())
+    }
+
+    #[inline(always)]
+    fn sample_near(&self, from: DVec3, u: DVec2) -> Option<ShapeSample> {
+        let fan = self.seen(from);
+        let place = within_triangle(self.0.on_plane(from, fan.direction(u)));
+        self.0.sample(from, place, fan.pdf())
+    }
+}
+
+impl Flat for Parallelogram {
+    #[inline(always)]
+    fn is_far(&self, from: DVec3) -> bool {
+        self.0.is_far(from)
+    }
+
+    #[inline(always)]
+    fn sample_afar(&self, from: DVec3, u: DVec2) -> Option<ShapeSample> {
+        self.0.sample_evenly(from, u, self.area())
+    }
+
+    #[inline(always)]
+    fn sample_near(&self, from: DVec3, u: DVec2) -> Option<ShapeSample> {
+        let fan = self.seen(from);
+        let place = self.0.on_plane(from, fan.direction(u));
+        self.0.sample(from, place.clamp(DVec2::ZERO, DVec2::ONE), fan.pdf())
+    }
+}
+
 /// The square 0..1 folded onto the triangle below its diagonal, which keeps neighbours and, up to a factor, areas.
 ///
 /// Heitz, *A Low-Distortion Map Between Triangle and Square*, 2019.
+#[inline(always)]
 fn folded(u: DVec2) -> DVec2 {
     if u.x < u.y {
         DVec2::new(0.5 * u.x, u.y - 0.5 * u.x)
@@ -197,6 +241,7 @@ fn folded(u: DVec2) -> DVec2 {
 }
 
 /// Rounding may leave a point just outside its triangle.
+#[inline(always)]
 fn within_triangle(place: DVec2) -> DVec2 {
     let place = place.max(DVec2::ZERO);
     place / (place.x + place.y).max(1.0)
@@ -238,7 +283,7 @@ impl<const N: usize> Fan<N> {
             rim[i] *= nearness[i];
         }
         // No flat shape fills more than half of the sphere.
-        Self { pivot: on_sphere, rim, halves, half: whole.y.abs().atan2(whole.x) }
+        Self { pivot: on_sphere, rim, halves, half: angle_above(whole.with_y(whole.y.abs())) }
     }
 
     /// Density of directions inside, sr⁻¹.
@@ -250,12 +295,16 @@ impl<const N: usize> Fan<N> {
     /// A direction inside, each alike.
     #[inline(always)]
     fn direction(&self, u: DVec2) -> DVec3 {
-        let mut picked = DVec2::from_angle(u.x * self.half);
-        let mut triangle = 0;
-        while triangle + 2 < N && self.halves[triangle].perp_dot(picked) >= 0.0 {
-            // What is left after this triangle; the length of these numbers means nothing.
-            picked = DVec2::new(self.halves[triangle].x, -self.halves[triangle].y).rotate(picked);
-            triangle += 1;
+        let mut picked = on_circle(u.x * self.half);
+        let mut triangle = self.triangle(0);
+        let mut beyond = true;
+        for next in 1..N - 1 {
+            let half = self.halves[next - 1];
+            beyond &= half.perp_dot(picked) >= 0.0;
+            // What is left after the last triangle; the length of these numbers means nothing.
+            let left = half.with_y(-half.y).rotate(picked);
+            picked = if beyond { left } else { picked };
+            triangle = if beyond { self.triangle(next) } else { triangle };
         }
         let cut = self.cut(triangle, picked);
         let b = self.pivot;
@@ -263,19 +312,24 @@ impl<const N: usize> Fan<N> {
         let across = (cut - b) + one_minus_cos * b;
         let picked = u.y * one_minus_cos;
         let sin = (picked * (2.0 - picked)).max(0.0).sqrt();
-        (1.0 - picked) * b + sin * across.normalize_or_zero()
+        (1.0 - picked) * b + sin * unit_or_zero(across)
+    }
+
+    /// A and C of a triangle, and its |A·(B×C)|.
+    #[inline(always)]
+    fn triangle(&self, number: usize) -> (DVec3, DVec3, f64) {
+        (self.rim[number], self.rim[number + 1], self.halves[number].y)
     }
 
     /// C′ between A and C of a triangle, so that half of the solid angle of A, B, C′ is the argument of `picked`.
     #[inline(always)]
-    fn cut(&self, triangle: usize, picked: DVec2) -> DVec3 {
-        let (a, b, c) = (self.rim[triangle], self.pivot, self.rim[triangle + 1]);
+    fn cut(&self, (a, c, volume): (DVec3, DVec3, f64), picked: DVec2) -> DVec3 {
+        let b = self.pivot;
         let tangent = (c - a) + 0.5 * a.distance_squared(c) * a;
         let per_sin_ac = tangent.length_recip();
         let tangent = tangent * per_sin_ac;
         // tan of half the angle from A to C′, as a fraction.
         let numerator = picked.y * (1.0 + a.dot(b));
-        let volume = self.halves[triangle].y;
         let denominator = picked.x * volume * per_sin_ac - picked.y * (b - a).dot(tangent);
         let (n2, d2) = (numerator * numerator, denominator * denominator);
         ((d2 - n2) * a + 2.0 * numerator * denominator * tangent) * (n2 + d2).recip()

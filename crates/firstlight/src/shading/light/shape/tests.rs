@@ -406,3 +406,26 @@ fn extremes_give_sound_samples_or_none() {
         );
     }
 }
+
+/// From near and from afar, in full blocks and others.
+#[test]
+fn a_block_of_points_sees_what_each_sees_alone() {
+    let mut random = Random::new(11);
+    for (map, kind) in maps().into_iter().flat_map(|map| KINDS.map(|kind| (map, kind))) {
+        let shape = Charted::new(kind, map, DVec3::new(3.0, 1.0, 1.5)).shape;
+        for count in [1, 37, BLOCK] {
+            let (mut from, mut u) = (Columns::<f64>::default(), [Vec2::ZERO; BLOCK]);
+            for (k, u) in u[..count].iter_mut().enumerate() {
+                let distance = 10.0_f64.powf(2.0 * random.unit() - 1.0);
+                let around = DVec2::from_angle(TAU * random.unit());
+                from.set(k, map.translation + distance * around.extend(random.unit() - 0.5));
+                *u = Vec2::new(random.unit() as f32, random.unit() as f32);
+            }
+            let mut samples = ShapeSamples::default();
+            shape.sample_all(&from, &u, count, &mut samples);
+            for (k, u) in u[..count].iter().enumerate() {
+                assert_eq!(samples.get(k), shape.sample(from.get(k), u.as_dvec2()), "{kind}");
+            }
+        }
+    }
+}
