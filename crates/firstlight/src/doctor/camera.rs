@@ -15,6 +15,8 @@ const SMALLEST: f64 = 0.01;
 const MOST: f64 = 0.85;
 /// Vertices that are looked at.
 const FEW_VERTICES: usize = 1 << 14;
+/// Lenses wider than so many times the distance that they are sharp at are hardly meant.
+const WIDEST: f64 = 2.0;
 /// The part of the picture's height over which a point may be spread by the lens.
 const BLURRED: f64 = 0.05;
 
@@ -104,6 +106,18 @@ impl Doctor<'_> {
         else {
             return None;
         };
+        if aperture > WIDEST * focus_distance {
+            let [lens, focus, small] =
+                [aperture, focus_distance, 1e-3 * aperture].map(|d| units::format(d, "m"));
+            let message =
+                format!("its lens is {lens} wide and sharp at {focus} alone: all else is fog");
+            let help = format!(
+                "aperture is its diameter; if it was meant in millimetres, write \"{small}\""
+            );
+            return Some(
+                finding("camera-focus", named("camera", &camera.name), message).help(help),
+            );
+        }
         let forward = (camera.target - camera.position).normalize_or(DVec3::Y);
         let depth = |at: DVec3| (at - camera.position).dot(forward);
         let mut depths: Vec<f64> = self.probes.seen().map(|w| depth(w.position)).collect();

@@ -421,6 +421,9 @@ fn cameras_that_see_nothing() {
         changed("perspective", "thin_lens", "")
             .replace("fov = 40", &format!("fov = 40\naperture = 0.5\nfocus_distance = {focus}"))
     };
+    let wide =
+        |aperture: f32| lens(6.0).replace("aperture = 0.5", &format!("aperture = {aperture}"));
+    texts_told_apart("camera-focus", &["25 m wide", "\"25 mm\""], &wide(25.0), &wide(0.025));
     texts_told_apart(
         "camera-focus",
         &["sharp at 500 mm", "focus_distance"],

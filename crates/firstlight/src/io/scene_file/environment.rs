@@ -6,11 +6,11 @@ use super::light::{Amount, Irradiance, Lighting, Radiance, angular_radius};
 use super::pictures::Pictures;
 use super::sun::SunPlaceKeys;
 use crate::color::Rgb;
-use crate::diagnostic::Result;
+use crate::diagnostic::{Diagnostic, Result};
 use crate::io::Warnings;
 use crate::io::model::{UpAxis, upright};
 use crate::scene::description::{
-    EnvironmentDescription, Integrator, Light, LightDescription, Sampling, Sky,
+    EnvironmentDescription, Integrator, Light, LightDescription, Pixels, Sampling, Sky,
 };
 use crate::shading::light::environment::{TURBIDITIES, sunlight};
 use crate::units::written::{Angle, Checked, Number, Size, Written, written};
@@ -185,6 +185,7 @@ impl EnvironmentKeys {
             Self::Image(At { value, .. }) => {
                 let image = around.pictures.open(&value.file)?;
                 let pixels = Arc::clone(&around.pictures.images[image]);
+                around.warnings.extend(misshapen(&pixels, &value.file.span, lighting.document));
                 let sky = Sky::Picture { pixels, sampling: value.sampling };
                 (sky, factor(value.strength, value.color), value.rotation, value.visible)
             }
@@ -195,6 +196,19 @@ impl EnvironmentKeys {
         let sky = EnvironmentDescription { sky, factor, rotation, visible };
         Ok(NewEnvironment { sky, sun: None })
     }
+}
+
+/// A word about a picture that shows no whole sky: 360° times 180° are twice as wide as high.
+fn misshapen(pixels: &Pixels, file: &Span, document: &Document<'_>) -> Option<Diagnostic> {
+    let Pixels { width, height, .. } = *pixels;
+    let is_lat_long = width.abs_diff(2 * height) <= 1;
+    (!is_lat_long && [width, height] != [1, 1]).then(|| {
+        let message = format!(
+            "names a picture of {width} × {height} pixels; all directions are twice as wide as high"
+        );
+        let help = "use a lat-long (equirectangular) picture: a photograph or a cube's faces are stretched";
+        document.error(file, message).help(help)
+    })
 }
 
 /// From the sky's own space (x east, y north, z up) to the world.

@@ -341,6 +341,22 @@ fn a_sun_that_has_set_is_told() {
     );
 }
 
+/// Lat-long pictures show 360° times 180°.
+#[test]
+fn a_picture_that_is_no_whole_sky_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let warnings = |width: u32| {
+        image::RgbaImage::new(width, 8).save(folder.path().join("sky.png")).unwrap();
+        let access = FileAccess::beside(&folder.path().join("scene.toml"), &[]);
+        let mut warnings = Warnings::new();
+        let text = "environment.image.file = 'sky.png'";
+        read(text, "scene.toml", &[], &access, &mut warnings).unwrap();
+        warnings.iter().map(ToString::to_string).collect::<Vec<_>>()
+    };
+    assert!(warnings(8)[0].contains("8 × 8 pixels; all directions are twice as wide as high"));
+    assert_eq!(warnings(16), [""; 0]);
+}
+
 #[test]
 fn a_way_of_shadows_that_is_not_heeded_is_told() {
     let warnings = |text: &str| {
