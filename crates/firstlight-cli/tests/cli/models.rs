@@ -131,6 +131,10 @@ fn a_model_without_triangles_is_refused() {
         let ran = folder.run(&format!("{command} none.gltf"));
         ran.fails(2, &["error: none.gltf: no triangles in this file"]);
     }
+    let flat = WITH_LIGHT.replace("{ \"mesh\": 0 }", "{ \"mesh\": 0, \"scale\": [1, 0, 1] }");
+    folder.write("flat.gltf", &flat);
+    let words = ["no triangles in this file", "is scaled to nothing"];
+    folder.run("check flat.gltf").fails(2, &words);
     folder.write("a.toml", "[models.m]\nfile = \"none.gltf\"\n");
     let ran = folder.run("check a.toml");
     ran.fails(0, &["warning: a.toml:2:8: models.m.file names a model without triangles"]);

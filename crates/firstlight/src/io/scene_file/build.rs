@@ -307,8 +307,7 @@ impl Builder<'_> {
             return Ok(());
         }
         // What was left out of it on reading says more.
-        let read = warnings.last().filter(|note| note.place.file == self.document.name);
-        let help = match read {
+        let help = match warnings.last() {
             Some(note) if self.document.generated => note.to_string(),
             _ => "its nodes show no mesh with triangles".into(),
         };
