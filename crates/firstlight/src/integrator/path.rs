@@ -674,18 +674,19 @@ fn scatter(scene: &Scene, bounce: u32, points: &[PathPoints], scratch: &mut Scra
         let start = vertex.starts[usize::from(sample.through)];
         rays.push(Ray { time: walk.time, ..Ray::new(start, sample.incoming) });
         let throughput = throughput / survival;
-        let straight = Walk { throughput, sharp_only, media, ..*walk };
-        walks.push(match sample.straight {
-            true => straight,
-            false => Walk {
+        let next = Walk { throughput, sharp_only, media, ..*walk };
+        walks.push(if sample.straight {
+            next
+        } else {
+            Walk {
                 pdf: sample.pdf,
                 bounce,
                 cone: walk.cone.scattered(sample.pdf),
                 reflections: walk.reflections + 1,
                 from: start,
                 normal: vertex.bsdf(lobes).horizon(),
-                ..straight
-            },
+                ..next
+            }
         });
     }
 }

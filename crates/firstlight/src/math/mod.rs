@@ -31,7 +31,8 @@ pub(crate) fn tangents(normal: DVec3) -> (DVec3, DVec3) {
 
 /// The square 0..1 mapped onto the unit disk ring by ring, which keeps areas and neighbours.
 ///
-/// Shirley & Chiu, *A Low Distortion Map Between Disk and Square*, 1997. Angles are at most π/4, so that short series do.
+/// Shirley & Chiu, *A Low Distortion Map Between Disk and Square*, 1997. Angles are at most π/4, so that short
+/// series do (Chebyshev's, as in `angles.rs`, to 2 · 10⁻⁷).
 #[inline(always)]
 pub(crate) fn concentric(u: Vec2) -> Vec2 {
     let square = 2.0 * u - 1.0;

@@ -161,16 +161,16 @@ impl OnTriangle {
 
 /// A point of a triangle seen from one side.
 #[derive(Clone, Copy)]
-struct Flat {
+struct Facing {
     position: Vec3,
     /// Unit normal on the side of the eye.
     normal: Vec3,
     clearance: f32,
-    /// Whether its corners run clockwise as seen from there.
+    /// Whether its corners run clockwise as seen from there, in the space that its tree has them in.
     clockwise: bool,
 }
 
-impl Flat {
+impl Facing {
     /// The point in the unit direction `along`, off by at most `error`, m.
     #[inline(always)]
     fn new(point: OnTriangle, along: Vec3, error: f64) -> Self {
@@ -182,17 +182,18 @@ impl Flat {
     }
 }
 
+/// The point of a mesh that one ray hit.
 #[inline(always)]
 fn on_mesh(part: &MeshPart, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
     let point = OnTriangle::new(part.corners(hit.primitive), hit.u, hit.v);
     let point = if part.instanced { point.placed(part) } else { point };
-    dressed(part, ray, hit, Flat::new(point, ray.direction, part.error()))
+    dressed(part, ray, hit, Facing::new(point, ray.direction, part.error()))
 }
 
 /// A point of a mesh with what its vertices say of it.
 #[inline(always)]
-fn dressed(part: &MeshPart, ray: &Ray, hit: &Hit, flat: Flat) -> SurfaceInteraction {
-    let Flat { position, normal, clearance, clockwise } = flat;
+fn dressed(part: &MeshPart, ray: &Ray, hit: &Hit, facing: Facing) -> SurfaceInteraction {
+    let Facing { position, normal, clearance, clockwise } = facing;
     let mut interaction = SurfaceInteraction {
         hit: *hit,
         position,
@@ -234,10 +235,14 @@ impl Kernel for Interactions<'_> {
         points.clear();
         let mut block = Block::default();
         for (rays, hits) in rays.chunks(BLOCK).zip(hits.chunks(BLOCK)) {
-            block.gather(scene, rays, hits);
-            block.find(scene, hits);
+            let mut parts = [None; BLOCK];
+            for (part, hit) in parts.iter_mut().zip(hits) {
+                *part = scene.still_mesh(hit);
+            }
+            block.gather(&parts, rays, hits);
+            block.find(&parts);
             for (k, (ray, hit)) in rays.iter().zip(hits).enumerate() {
-                points.push(match scene.still_mesh(hit) {
+                points.push(match parts[k] {
                     Some(part) => Some(dressed(part, ray, hit, block.get(k))),
                     None => hit.is_some().then(|| scene.interaction(ray, hit)),
                 });
@@ -255,11 +260,11 @@ struct Block {
     position: Columns<f64>,
     rounded: Columns<f32>,
     across: Columns<f64>,
-    flat: Flats,
+    facing: Facings,
 }
 
-/// A block of [`Flat`].
-struct Flats {
+/// A block of [`Facing`].
+struct Facings {
     position: Columns<f32>,
     normal: Columns<f32>,
     clearance: [f32; BLOCK],
@@ -279,7 +284,7 @@ impl Default for Block {
             position: Columns::default(),
             rounded: columns(),
             across: Columns::default(),
-            flat: Flats { position, normal, clearance, clockwise },
+            facing: Facings { position, normal, clearance, clockwise },
         }
     }
 }
@@ -287,9 +292,9 @@ impl Default for Block {
 impl Block {
     /// Takes up the triangles.
     #[inline(always)]
-    fn gather(&mut self, scene: &Scene, rays: &[Ray], hits: &[Hit]) {
-        for (k, (ray, hit)) in rays.iter().zip(hits).enumerate() {
-            let Some(part) = scene.still_mesh(hit) else { continue };
+    fn gather(&mut self, parts: &[Option<&MeshPart>], rays: &[Ray], hits: &[Hit]) {
+        for (k, ((ray, hit), part)) in rays.iter().zip(hits).zip(parts).enumerate() {
+            let Some(part) = part else { continue };
             let corners = part.corners(hit.primitive);
             for (column, corner) in self.corners.iter_mut().zip(corners) {
                 column.set(k, corner);
@@ -302,23 +307,23 @@ impl Block {
 
     /// Finds the points.
     #[inline(always)]
-    fn find(&mut self, scene: &Scene, hits: &[Hit]) {
+    fn find(&mut self, parts: &[Option<&MeshPart>; BLOCK]) {
         for k in 0..BLOCK {
             let [a, b, c] = &self.corners;
             let corners = [a.get(k), b.get(k), c.get(k)];
             self.set(k, OnTriangle::new(corners, self.weights[0][k], self.weights[1][k]));
         }
-        for (k, hit) in hits.iter().enumerate() {
-            if let Some(part) = scene.still_mesh(hit).filter(|part| part.instanced) {
+        for (k, part) in parts.iter().enumerate() {
+            if let Some(part) = part.filter(|part| part.instanced) {
                 self.set(k, self.on_triangle(k).placed(part));
             }
         }
         for k in 0..BLOCK {
-            let flat = Flat::new(self.on_triangle(k), self.along.get(k), self.error[k]);
-            self.flat.position.set(k, flat.position);
-            self.flat.normal.set(k, flat.normal);
-            self.flat.clearance[k] = flat.clearance;
-            self.flat.clockwise[k] = flat.clockwise;
+            let facing = Facing::new(self.on_triangle(k), self.along.get(k), self.error[k]);
+            self.facing.position.set(k, facing.position);
+            self.facing.normal.set(k, facing.normal);
+            self.facing.clearance[k] = facing.clearance;
+            self.facing.clockwise[k] = facing.clockwise;
         }
     }
 
@@ -337,10 +342,10 @@ impl Block {
 
     /// What was found for ray `k`.
     #[inline(always)]
-    fn get(&self, k: usize) -> Flat {
-        let Flats { position, normal, clearance, clockwise } = &self.flat;
+    fn get(&self, k: usize) -> Facing {
+        let Facings { position, normal, clearance, clockwise } = &self.facing;
         let (position, normal) = (position.get(k), normal.get(k));
-        Flat { position, normal, clearance: clearance[k], clockwise: clockwise[k] }
+        Facing { position, normal, clearance: clearance[k], clockwise: clockwise[k] }
     }
 }
 

@@ -163,7 +163,7 @@ impl LocalLights {
     }
 }
 
-/// So many lights the lecture sums. It takes a shadow ray for each, at every point; of more, one picked for all brings the
+/// So many points the lecture sums. It takes a shadow ray for each, at every point; of more, one picked for all brings the
 /// same light in a fraction of the time, if with noise.
 const MOST_SUMMED: usize = 1024;
 
@@ -176,7 +176,7 @@ impl SceneDescription {
             let cloudy = material.is_cloudy() || material.passes_light() && !material.is_pane();
             !matches!(material.scattering, Scattering::Mirror { .. }) && !emits(material) && !cloudy
         };
-        self.lights.len() <= MOST_SUMMED
+        self.lights.iter().filter(|light| light.has_place()).count() <= MOST_SUMMED
             && self.environment.is_none()
             && self.medium.is_none()
             && !self.lights.iter().any(|light| light.has_extent() || light.is_near_ambient())
@@ -225,12 +225,18 @@ impl Scene {
         if constant && material.coat().is_none() {
             return Vec3::from_slice(&material.emission.factor);
         }
-        self.emitted_there(light, sample, time)
+        self.emitted_there(material, light, sample, time)
     }
 
+    /// The same where it is not alike everywhere.
     #[inline(never)]
-    fn emitted_there(&self, light: &AreaLight, sample: ShapeSample, time: f32) -> Rgb {
-        let material = &self.materials[self.material_of[light.surface as usize] as usize];
+    fn emitted_there(
+        &self,
+        material: &Material,
+        light: &AreaLight,
+        sample: ShapeSample,
+        time: f32,
+    ) -> Rgb {
         let surface = self.at_sample(light, &sample, time);
         let alpha = || self.alpha(material, &surface);
         let there = match material.alpha {

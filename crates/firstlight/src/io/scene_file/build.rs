@@ -112,7 +112,7 @@ fn unheeded_shadows(scene: &SceneDescription, name: &str) -> Option<Diagnostic> 
     let heeded = scene.integrator == Integrator::Direct && scene.is_lecture();
     (scene.shadows != Shadows::Robust && !heeded).then(|| {
         let message = "shadows has no effect here: shadows are robust";
-        let help = "it is for the integrator \"direct\", points and parallel light";
+        let help = "it is for the integrator \"direct\", up to 1024 points and parallel light";
         Diagnostic::new(name, message).help(help)
     })
 }

@@ -23,8 +23,10 @@ pub(crate) fn dielectric(cos: f64, eta: f64) -> (f64, Option<f64>) {
 /// The cosine outside of a solid of light that meets its boundary with a cosine from either side; `None` if all is reflected.
 /// `eta`: index beyond over index here.
 pub(crate) fn outside_cos(cos: f32, eta: f32) -> Option<f32> {
-    let (_, beyond) = dielectric(cos.into(), eta.into());
-    if eta < 1.0 { beyond.map(|cos| cos as f32) } else { Some(cos) }
+    if eta >= 1.0 {
+        return Some(cos);
+    }
+    dielectric(cos.into(), eta.into()).1.map(|cos| cos as f32)
 }
 
 /// What a boundary reflects of light that arrives with a given cosine.

@@ -84,21 +84,18 @@ fn as_before(point: DVec3, moved: Option<DAffine3>) -> DVec3 {
 pub(crate) struct Views {
     from: Vec<Columns<f64>>,
     samples: Vec<ShapeSamples>,
-    count: usize,
 }
 
 impl Views {
     /// From each of `points`, m, with where the light has moved to when it is seen, if it does.
     pub(crate) fn begin(&mut self, points: impl Iterator<Item = (Vec3, Option<DAffine3>)>) {
-        self.count = 0;
-        for (point, moved) in points {
-            let (block, k) = (self.count / BLOCK, self.count % BLOCK);
+        for (number, (point, moved)) in points.enumerate() {
+            let (block, k) = (number / BLOCK, number % BLOCK);
             if block == self.from.len() {
                 self.from.push(Columns::default());
                 self.samples.push(ShapeSamples::default());
             }
             self.from[block].set(k, as_before(point.as_dvec3(), moved));
-            self.count += 1;
         }
     }
 

@@ -20,7 +20,7 @@ use super::tree::EmissionCone;
 use crate::geometry::Bounds;
 use crate::math::{BLOCK, Columns};
 use glam::{DVec2, DVec3, Vec2};
-use polygon::Flat;
+use polygon::NearAndFar;
 use std::f64::consts::FRAC_1_PI;
 
 /// The shape of a light in the world.
@@ -97,7 +97,7 @@ impl ShapeSamples {
 /// What the first `count` points of a block see of a flat shape: of all as if from afar, then of those that are near.
 #[inline(always)]
 fn sample_flat(
-    shape: &impl Flat,
+    shape: &impl NearAndFar,
     from: &Columns<f64>,
     u: &[Vec2; BLOCK],
     count: usize,
@@ -111,6 +111,10 @@ fn sample_flat(
         near[nears] = k;
         nears += usize::from(!shape.is_far(from.get(k)));
     }
+    if nears == 0 {
+        return;
+    }
+    // Side by side, so that they are looked at several at a time too.
     let (mut near_from, mut near_u) = (Columns::<f64>::default(), [Vec2::ZERO; BLOCK]);
     for (i, &k) in near[..nears].iter().enumerate() {
         near_from.set(i, from.get(k));
@@ -225,7 +229,8 @@ impl ShapeSample {
         let to_light = position - from;
         let distance = to_light.length();
         // Comparisons, which loops over blocks can make several at a time.
-        let has_normal = normal.length_squared() > 0.0;
+        let length2 = normal.length_squared();
+        let has_normal = length2 > 0.0 && length2 < f64::INFINITY;
         let usable = pdf > 0.0 && pdf < f64::INFINITY && distance > 0.0 && has_normal;
         let incoming = to_light / distance;
         usable.then_some(Self { position, normal, incoming, distance, pdf })

@@ -9,15 +9,15 @@
 //! corner, so that the picked point moves without a jump over both.
 //!
 //! From afar all points of a shape look nearly alike. There they are picked evenly, which takes a fraction of the time and
-//! gives the same noise.
+//! gives nearly the same noise.
 
 use super::ShapeSample;
 use crate::geometry::Bounds;
 use crate::math::{angle_above, on_circle, unit_or_zero};
 use glam::{DAffine3, DVec2, DVec3};
 
-/// From further away than so many diagonals, shapes are seen from afar.
-const AFAR: f64 = 1.5;
+/// From so many times further away from the middle than the furthest corner, shapes are seen from afar.
+const AFAR: f64 = 3.0;
 
 /// A triangle.
 #[derive(Debug, Clone, Copy)]
@@ -40,17 +40,22 @@ struct Corner {
     dual: [DVec3; 2],
     /// Of the parallelogram of both edges, m².
     area: f64,
-    /// Square of the distance from which on it is far away, m².
+    /// The middle of the shape, m, and the square of the distance from there from which on it is far away, m².
+    middle: DVec3,
     afar: f64,
 }
 
 impl Corner {
-    fn new(position: DVec3, [u, v]: [DVec3; 2]) -> Self {
+    /// `corners` of a shape, by their coordinates along the edges.
+    fn new(position: DVec3, [u, v]: [DVec3; 2], corners: &[DVec2]) -> Self {
         let across = u.cross(v);
         let normal = across / across.length();
         let dual = [v.cross(across), across.cross(u)].map(|d| d / across.length_squared());
-        let afar = AFAR * AFAR * (u.length_squared() + v.length_squared());
-        Self { position, edges: [u, v], normal, dual, area: across.length(), afar }
+        let corners = corners.iter().map(|corner| position + corner.x * u + corner.y * v);
+        let middle = corners.clone().sum::<DVec3>() / corners.len() as f64;
+        let furthest = corners.map(|corner| corner.distance_squared(middle)).fold(0.0, f64::max);
+        let (area, afar) = (across.length(), AFAR * AFAR * furthest);
+        Self { position, edges: [u, v], normal, dual, area, middle, afar }
     }
 
     /// The point with coordinates `place` along the edges.
@@ -86,7 +91,7 @@ impl Corner {
     /// Whether all points look nearly alike from there.
     #[inline(always)]
     fn is_far(&self, from: DVec3) -> bool {
-        from.distance_squared(self.position) > self.afar
+        from.distance_squared(self.middle) > self.afar
     }
 
     /// Density of the direction from `from` to `position`, sr⁻¹, where points of `area` m² are picked evenly.
@@ -105,7 +110,7 @@ impl Corner {
 impl Triangle {
     /// The triangle with these corners; its front is where they run anticlockwise.
     pub(crate) fn new([a, b, c]: [DVec3; 3]) -> Self {
-        Self(Corner::new(a, [b - a, c - a]))
+        Self(Corner::new(a, [b - a, c - a], &[DVec2::ZERO, DVec2::X, DVec2::Y]))
     }
 
     pub(super) fn pdf(&self, from: DVec3, position: DVec3) -> f64 {
@@ -143,7 +148,8 @@ impl Parallelogram {
         if axes.determinant() < 0.0 {
             edges.reverse();
         }
-        Self(Corner::new(to_world.translation, edges))
+        let corners = [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE];
+        Self(Corner::new(to_world.translation, edges, &corners))
     }
 
     pub(super) fn pdf(&self, from: DVec3, position: DVec3) -> f64 {
@@ -174,7 +180,7 @@ impl Parallelogram {
 }
 
 /// A shape that looks different from near and from afar.
-pub(super) trait Flat {
+pub(super) trait NearAndFar {
     /// Whether all points look nearly alike from there.
     fn is_far(&self, from: DVec3) -> bool;
 
@@ -190,7 +196,7 @@ pub(super) trait Flat {
     }
 }
 
-impl Flat for Triangle {
+impl NearAndFar for Triangle {
     #[inline(always)]
     fn is_far(&self, from: DVec3) -> bool {
         self.0.is_far(from)
@@ -209,7 +215,7 @@ impl Flat for Triangle {
     }
 }
 
-impl Flat for Parallelogram {
+impl NearAndFar for Parallelogram {
     #[inline(always)]
     fn is_far(&self, from: DVec3) -> bool {
         self.0.is_far(from)

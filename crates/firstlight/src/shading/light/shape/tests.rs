@@ -429,3 +429,23 @@ fn a_block_of_points_sees_what_each_sees_alone() {
         }
     }
 }
+
+/// Whichever corner a lamp is described from, it is the same lamp, from near, from afar and in between.
+#[test]
+fn a_square_is_the_same_from_each_of_its_corners() {
+    let mut random = Random::new(13);
+    for map in maps() {
+        let (m, corner) = (map.matrix3, map.translation);
+        let turned = DAffine3 {
+            matrix3: DMat3::from_cols(-m.x_axis, -m.y_axis, m.z_axis),
+            translation: corner + m.x_axis + m.y_axis,
+        };
+        let [a, b] = [map, turned].map(|map| Parallelogram::new(&map));
+        for _ in 0..1000 {
+            let mut unit = || random.unit();
+            let position = corner + unit() * m.x_axis + unit() * m.y_axis;
+            let from = position + 6.0 * DVec3::new(unit() - 0.5, unit() - 0.5, unit() - 0.5);
+            assert!((a.pdf(from, position) / b.pdf(from, position) - 1.0).abs() < 1e-9);
+        }
+    }
+}
