@@ -120,6 +120,29 @@ fn partly_transparent_surfaces_are_measured_with_their_error() {
     }
 }
 
+/// The same along paths, which the underside of the floor sends light back to as well.
+#[test]
+fn partly_transparent_surfaces_are_measured_along_paths() {
+    let mut scene = scene_for_paths(0.2);
+    scene.materials[0].alpha = Alpha::Blend;
+    scene.materials[0].reflectance.factor[3] = 0.4;
+    scene.background = Vec3::ONE;
+    light(&mut scene, Light::Ambient { radiance: Vec3::splat(0.5), reach: f64::INFINITY });
+    light(&mut scene, Light::Directional { direction: -DVec3::Z, irradiance: Vec3::ONE });
+    add(&mut scene, floor());
+    let scene = Scene::build(&scene);
+    let through = firstlight::Ray::new(Vec3::new(0.0, 0.0, 1.0), -Vec3::Z);
+    let lit = 0.2 * (0.5 + 1.0 / PI);
+    for (measured, expected) in [
+        (scene.radiance(&through), 0.4 * lit + 0.6),
+        (scene.irradiance(v(0.0, 0.0, -1.0), DVec3::Z), PI * (0.5 + 0.4 * 0.2 * 0.5) + 0.6),
+    ] {
+        let (value, error) = (f64::from(measured.value.x), f64::from(measured.standard_error.x));
+        assert!(error > 0.0 && error < 0.02, "{measured:?}");
+        assert!((value - expected).abs() < 4.5 * error, "{measured:?} is not {expected}");
+    }
+}
+
 /// Half of a sun of 60° is above the horizon; the edge of a half plane cuts another in two.
 #[test]
 fn suns_are_cut_by_horizons_and_edges() {

@@ -10,9 +10,15 @@ pub(crate) const LENS: u32 = 1;
 /// When it is, while the shutter is open.
 pub(crate) const TIME: u32 = 2;
 
-/// When the sample with these points is, see [`Ray::time`](crate::Ray::time); where nothing moves, at the beginning.
+/// When the sample with these points is, see [`Ray::time`](crate::Ray::time). Where nothing moves, time tells samples along one
+/// ray apart if chance decides about them, and is 0 otherwise.
 pub(super) fn time(scene: &Scene, points: &PathPoints) -> f32 {
-    if scene.moves() { scene.camera().time(points.pair(TIME).x) } else { 0.0 }
+    let moment = || points.pair(TIME).x;
+    match scene.moves() {
+        true => scene.camera().time(moment()),
+        false if scene.has_blends => moment(),
+        false => 0.0,
+    }
 }
 
 /// The pairs of one reflection.

@@ -8,7 +8,6 @@ use crate::geometry::Ray;
 use crate::math::hash;
 use crate::sampler::{PathPoints, Sampler};
 use crate::scene::Scene;
-use crate::scene::description::Alpha;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -95,7 +94,7 @@ impl<'a> Meter<'a> {
 
     /// One sample if nothing in the scene is left to chance, else many.
     fn repeat(&self, mut sample: impl FnMut(u32) -> Rgb) -> Measurement {
-        if self.scene.materials.iter().all(|material| material.alpha != Alpha::Blend) {
+        if !self.scene.has_blends {
             return Measurement { value: sample(0), standard_error: Rgb::ZERO, samples: 1 };
         }
         let repetitions = self.samples.div_ceil(Self::SEQUENCES).max(2);

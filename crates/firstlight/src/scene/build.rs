@@ -62,6 +62,7 @@ impl Scene {
             world,
             material_of,
             materials: description.materials.clone(),
+            has_blends: description.materials.iter().any(|m| m.alpha == Alpha::Blend),
             has_panes: description.materials.iter().any(Material::passes_light),
             has_solids: description.materials.iter().any(|material| material.interior.is_some()),
             medium: description.medium,

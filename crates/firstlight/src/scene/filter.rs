@@ -104,7 +104,7 @@ impl Scene {
     }
 }
 
-/// A number in 0..1 that depends on nothing but the ray, its repetition and what it hit.
+/// A number in 0..1 that depends on nothing but the ray, its time, its repetition and what it hit.
 fn threshold(ray: &Ray, hit: &Hit, repetition: u32) -> f32 {
     let bits = |x: f32| u64::from(x.to_bits());
     let (o, d) = (ray.origin, ray.direction);
@@ -112,7 +112,7 @@ fn threshold(ray: &Ray, hit: &Hit, repetition: u32) -> f32 {
         bits(o.x) << 32 | bits(o.y),
         bits(o.z) << 32 | bits(d.x),
         bits(d.y) << 32 | bits(d.z),
-        u64::from(hit.surface) << 32 | u64::from(hit.primitive),
+        (u64::from(hit.surface) << 32 | u64::from(hit.primitive)) ^ bits(ray.time) << 16,
     ];
     (words.into_iter().fold(u64::from(repetition), |state, word| hash(state ^ word)) >> 40) as f32
         / (1 << 24) as f32

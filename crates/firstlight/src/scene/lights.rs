@@ -176,7 +176,8 @@ impl SceneDescription {
             let cloudy = material.is_cloudy() || material.passes_light() && !material.is_pane();
             !matches!(material.scattering, Scattering::Mirror { .. }) && !emits(material) && !cloudy
         };
-        self.lights.iter().filter(|light| light.has_place()).count() <= MOST_SUMMED
+        let somewhere = self.lights.iter().filter(|light| light.light.position().is_some());
+        somewhere.count() <= MOST_SUMMED
             && self.environment.is_none()
             && self.medium.is_none()
             && !self.lights.iter().any(|light| light.has_extent() || light.is_near_ambient())

@@ -41,6 +41,8 @@ pub struct Scene {
     pub(crate) materials: Vec<Material>,
     /// Whether any of them lets shadow rays pass.
     pub(crate) has_panes: bool,
+    /// Whether chance decides if any of them is there.
+    pub(crate) has_blends: bool,
     /// Whether any of them encloses what light can be in.
     pub(crate) has_solids: bool,
     /// What is everywhere where no solid is.

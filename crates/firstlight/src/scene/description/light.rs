@@ -35,11 +35,6 @@ impl LightDescription {
         matches!(self.light, Light::Ambient { reach, .. } if reach.is_finite())
     }
 
-    /// Whether it is somewhere, not infinitely far away or everywhere.
-    pub fn has_place(&self) -> bool {
-        matches!(self.light, Light::Point { .. } | Light::Spot { .. } | Light::Photometric { .. })
-    }
-
     /// Whether its shadows have soft edges. Without shadows, its middle is as good.
     pub fn has_extent(&self) -> bool {
         self.shadows && (self.radius > 0.0 || matches!(self.light, Light::Sun { .. }))

@@ -146,6 +146,14 @@ impl Frame {
         self.relief.as_ref().map_or(1.0, |relief| relief.visible(incoming))
     }
 
+    /// What a mirror whose normal was bent sends into its own ground, sent off that: hills that mirror lose no light.
+    fn out_of_hills(&self, incoming: Vec3) -> Vec3 {
+        match &self.relief {
+            Some(Relief { ground, .. }) if incoming.dot(*ground) < 0.0 => incoming.reflect(*ground),
+            _ => incoming,
+        }
+    }
+
     /// The third axis.
     pub(crate) fn normal(self) -> Vec3 {
         self.normal
@@ -230,8 +238,9 @@ impl Bsdf<'_> {
         if let Some(local) = lobe.only_direction(outgoing) {
             // A tilted mirror may show what lies behind its own surface.
             let lost = lobe.kind == Kind::Mirror && local.z <= 0.0;
+            let incoming = self.frame.to_world(local);
             return (!lost).then(|| BsdfSample {
-                incoming: self.frame.to_world(local),
+                incoming: if local.z > 0.0 { self.frame.out_of_hills(incoming) } else { incoming },
                 weight: lobe.weight / lobe.share,
                 pdf: f32::INFINITY,
                 through: local.z < 0.0,

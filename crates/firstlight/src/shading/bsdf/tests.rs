@@ -316,3 +316,21 @@ fn tilted_coats_are_sampled_as_they_are() {
         );
     }
 }
+
+/// However far its normal is bent, and from wherever it is seen.
+#[test]
+fn mirrors_with_bent_normals_send_nothing_into_their_ground() {
+    let lobes = [Lobe::new(Kind::Mirror, Rgb::ONE)];
+    for (step, cos) in (0..18_u8).flat_map(|step| COSINES.map(|cos| (step, cos))) {
+        let (sin, bent) = (5.0 * f32::from(step)).to_radians().sin_cos();
+        let normal = Vec3::new(sin, 0.0, bent);
+        for side in [-1.0, 1.0] {
+            let outgoing = at_cosine(cos) * Vec3::new(side, 1.0, 1.0);
+            let frame = Frame::around(normal).bent_from(Vec3::Z);
+            let bsdf = Bsdf { frame, outgoing, lobes: &lobes };
+            let sample = bsdf.sample(0.5, Vec2::splat(0.5)).expect("mirrors lose nothing");
+            assert!(sample.incoming.z >= 0.0, "{step} {cos} {side}: {}", sample.incoming);
+            assert!((sample.incoming.length() - 1.0).abs() < 1e-5 && sample.weight == Rgb::ONE);
+        }
+    }
+}
