@@ -131,6 +131,7 @@ impl Reader<'_, '_, '_> {
         Ok(Material {
             reflectance,
             emission,
+            unlit,
             normal: match unlit {
                 true => None,
                 false => self.normal(material.normal_texture.as_deref(), "normalTexture")?,

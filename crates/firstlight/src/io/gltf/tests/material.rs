@@ -60,6 +60,7 @@ fn unlit_colour_is_emission_and_keeps_its_alpha() {
     assert_eq!(material.reflectance.factor, [0.0, 0.0, 0.0, 0.4]);
     assert_eq!(material.emission.factor, [0.1, 0.2, 0.3, 0.4]);
     assert_eq!(material.alpha, Alpha::Blend);
+    assert!(material.unlit && material.emits() && !material.is_light());
 }
 
 #[test]
