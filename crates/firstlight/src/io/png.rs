@@ -1,9 +1,10 @@
 //! PNG: pictures for textures in, developed pictures out.
 
+use super::decoders::linear_texel;
 use super::pixels::{Input, rgba, unreadable};
 use super::save::{BitDepth, Develop, Metadata};
 use crate::Image;
-use crate::color::{srgb_code8, srgb_code16, srgb_dithered8, srgb_linear16};
+use crate::color::{srgb_code8, srgb_code16, srgb_dithered8};
 use crate::diagnostic::Result;
 use crate::scene::description::Pixels;
 use png::{
@@ -44,11 +45,7 @@ pub(super) fn decode(input: &Input) -> Result<Pixels> {
 fn linear_texels(data: &[u8], channels: usize) -> Vec<[f32; 4]> {
     let samples: Vec<u16> =
         data.as_chunks().0.iter().map(|&bytes| u16::from_be_bytes(bytes)).collect();
-    let linear = |[r, g, b, a]: [u16; 4]| {
-        let alpha = f32::from(a) / f32::from(u16::MAX);
-        [srgb_linear16(r), srgb_linear16(g), srgb_linear16(b), alpha]
-    };
-    rgba(&samples, channels, u16::MAX).into_iter().map(linear).collect()
+    rgba(&samples, channels, u16::MAX).into_iter().map(linear_texel).collect()
 }
 
 /// A developed, sRGB-encoded PNG; it has an alpha channel if any pixel is not opaque.

@@ -259,6 +259,16 @@ fn broken_pictures_are_named_and_replaced_by_something_visible() {
         let textures = json!([{ "extensions": { name: { "source": 0 } } }]);
         textured(json!({ "index": 0 }), |document| document["textures"] = textures.clone())
     };
+    for (field, otherwise) in
+        [("normalTexture", "no relief is shown"), ("occlusionTexture", "no ambient light is kept")]
+    {
+        let (material, warnings) = textured(json!({ "index": 0 }), |document| {
+            document["images"][0] = json!({ "uri": "gone.png" });
+            document["materials"][0] = json!({ field: { "index": 0 } });
+        });
+        assert!(material.normal.is_none() && material.occlusion.is_none());
+        assert!(warnings.len() == 1 && warnings[0].contains(otherwise), "{warnings:?}");
+    }
     let (material, warnings) = only("MSFT_texture_dds");
     assert!(checker(&material.reflectance) && warnings[0].contains("DDS"), "{warnings:?}");
     let (material, warnings) = only("KHR_texture_basisu");
