@@ -361,6 +361,7 @@ fn is_black(environment: &EnvironmentDescription) -> bool {
         Sky::Gradient { zenith, horizon, nadir } => [zenith, horizon, nadir].into_iter().all(black),
         Sky::Picture { pixels, .. } => match &pixels.texels {
             Texels::Srgb8(texels) => texels.iter().all(|texel| texel[..3] == [0; 3]),
+            Texels::Srgb16(texels) => texels.iter().all(|texel| texel[..3] == [0; 3]),
             Texels::Linear(texels) => {
                 texels.iter().all(|texel| texel[..3].iter().all(|x| *x <= 0.0))
             }

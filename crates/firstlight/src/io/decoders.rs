@@ -1,7 +1,6 @@
 //! Pictures in the formats whose decoders the crate `image` brings: JPEG, WebP, TGA, BMP, TIFF, GIF.
 
 use super::pixels::{Input, rgba, unreadable};
-use crate::color::srgb_linear16;
 use crate::diagnostic::Result;
 use crate::scene::description::Pixels;
 use image::codecs::{
@@ -84,8 +83,8 @@ fn opened(
     let mut decoder = decoder.map_err(|e| unreadable(input, &e))?;
     let (width, height) = decoder.dimensions();
     let color = decoder.color_type();
-    let kept = if color.bytes_per_pixel() > 4 { 16 } else { 4 };
-    let count = input.room_for(width.into(), height.into(), kept)?;
+    let sample_bytes = color.bytes_per_pixel() / color.channel_count();
+    let count = input.room_for(width.into(), height.into(), 4 * u64::from(sample_bytes))?;
     input.at_least(count as u64 / packed)?;
     let mut limits = image::Limits::no_limits();
     // What is unpacked, and as much again on the way.
@@ -101,8 +100,7 @@ fn opened(
         ColorType::L16 | ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16 => {
             let samples: Vec<u16> =
                 bytes.as_chunks().0.iter().map(|&b| u16::from_ne_bytes(b)).collect();
-            let texels = rgba(&samples, channels, u16::MAX).into_iter().map(linear_texel);
-            input.linear(width, height, texels.collect())
+            Ok(input.deep(width, height, rgba(&samples, channels, u16::MAX)))
         }
         ColorType::Rgb32F | ColorType::Rgba32F => {
             let samples: Vec<f32> =
@@ -111,10 +109,4 @@ fn opened(
         }
         other => Err(input.fail(format!("pictures of {other:?} cannot be read")).into()),
     }
-}
-
-/// An sRGB-encoded texel of 16 bits in linear values.
-pub(super) fn linear_texel([r, g, b, a]: [u16; 4]) -> [f32; 4] {
-    let alpha = f32::from(a) / f32::from(u16::MAX);
-    [srgb_linear16(r), srgb_linear16(g), srgb_linear16(b), alpha]
 }

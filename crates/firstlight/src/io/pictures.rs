@@ -120,6 +120,7 @@ impl<'a> Pictures<'a> {
         let Pattern::Image { image, .. } = texture.pattern else { return false };
         self.images.get(image).is_some_and(|pixels| match &pixels.texels {
             Texels::Srgb8(texels) => texels.iter().any(|texel| texel[3] < u8::MAX),
+            Texels::Srgb16(texels) => texels.iter().any(|texel| texel[3] < u16::MAX),
             Texels::Linear(texels) => texels.iter().any(|texel| texel[3] < 1.0),
         })
     }
@@ -131,6 +132,7 @@ impl<'a> Pictures<'a> {
         let differ = |[r, g, b, _]: [u8; 4]| r.abs_diff(g).max(g.abs_diff(b)) > 12;
         self.images.get(image).is_some_and(|pixels| match &pixels.texels {
             Texels::Srgb8(texels) => texels.iter().any(|&texel| differ(texel)),
+            Texels::Srgb16(texels) => texels.iter().any(|[r, g, b, _]| r != g || g != b),
             Texels::Linear(texels) => texels.iter().any(|[r, g, b, _]| r != g || g != b),
         })
     }

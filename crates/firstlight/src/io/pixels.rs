@@ -2,7 +2,7 @@
 
 use super::{Limits, decoders, exr, hdr, ktx2, pfm, png};
 use crate::Image;
-use crate::color::srgb_linear8;
+use crate::color::{srgb_linear8, srgb_linear16};
 use crate::diagnostic::{Diagnostic, Result};
 use crate::scene::description::{Pixels, Texels};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -10,7 +10,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 /// Decodes a picture; the format is recognised by its first bytes, not by the name.
 ///
 /// PNG, JPEG, WebP, KTX2, TGA, BMP, TIFF and GIF are taken as sRGB-encoded whatever colour profile they carry, as glTF
-/// demands; those of 16 bits become linear. HDR, EXR, PFM and TIFF of floats are linear and may not hold NaN or
+/// demands. HDR, EXR, PFM and TIFF of floats are linear and may not hold NaN or
 /// infinities. Of an EXR file the first layer with colour (R, G, B or one grey channel) is read, its data window being
 /// the picture; of TIFF and GIF the first picture.
 ///
@@ -60,12 +60,20 @@ pub fn load_image(bytes: &[u8], name: &str, limits: &Limits) -> Result<Image> {
             let _ = Input { bytes, name, limits }.room_for(width.into(), height.into(), 16)?;
             texels.into_iter().map(linear).collect()
         }
+        Texels::Srgb16(texels) => {
+            let _ = Input { bytes, name, limits }.room_for(width.into(), height.into(), 16)?;
+            texels.into_iter().map(deep_linear).collect()
+        }
     };
     Ok(Image::from_pixels(width, height, pixels))
 }
 
 fn linear([r, g, b, a]: [u8; 4]) -> [f32; 4] {
     [srgb_linear8(r), srgb_linear8(g), srgb_linear8(b), f32::from(a) / 255.0]
+}
+
+fn deep_linear([r, g, b, a]: [u16; 4]) -> [f32; 4] {
+    [srgb_linear16(r), srgb_linear16(g), srgb_linear16(b), f32::from(a) / f32::from(u16::MAX)]
 }
 
 /// A picture file to be read.
@@ -126,6 +134,11 @@ impl Input<'_> {
     /// sRGB-encoded texels as a picture.
     pub(super) fn srgb(&self, width: u32, height: u32, texels: Vec<[u8; 4]>) -> Pixels {
         Pixels { name: self.name.into(), width, height, texels: Texels::Srgb8(texels) }
+    }
+
+    /// The same of 16 bits.
+    pub(super) fn deep(&self, width: u32, height: u32, texels: Vec<[u16; 4]>) -> Pixels {
+        Pixels { name: self.name.into(), width, height, texels: Texels::Srgb16(texels) }
     }
 }
 

@@ -134,6 +134,7 @@ fn shown_name(image: &Image) -> Option<&str> {
 fn bytes_of(picture: &Pixels) -> u64 {
     match &picture.texels {
         Texels::Srgb8(texels) => 4 * texels.len() as u64,
+        Texels::Srgb16(texels) => 8 * texels.len() as u64,
         Texels::Linear(texels) => 16 * texels.len() as u64,
     }
 }

@@ -624,6 +624,8 @@ pub struct Pixels {
 pub enum Texels {
     /// sRGB-encoded colour with linear alpha, as in 8-bit PNG, JPEG and WebP.
     Srgb8(Vec<[u8; 4]>),
+    /// The same, as in PNG and TIFF of 16 bits.
+    Srgb16(Vec<[u16; 4]>),
     /// Linear values.
     Linear(Vec<[f32; 4]>),
 }
