@@ -16,7 +16,7 @@ const GROUND: Rgb = Rgb::splat(0.7);
 const SKY: [f32; 3] = [0.6, 0.35, 0.2];
 /// Irradiance of a ground under that sky, W·m⁻²: the integral of radiance × cosine.
 const UNDER_SKY: f64 = PI * SKY[1] as f64 + 2.0 / 3.0 * PI * (SKY[0] - SKY[1]) as f64;
-/// Twice what white paper sends back under the studio's light: what is brighter along one path is light that chance has found
+/// About twice what white paper sends back under the studio's light: what is brighter along one path is light that chance has found
 /// in polished metal, and finds too seldom for a picture. Measured on a helmet, a monkey and varnished balls, it is
 /// 0.02 to 0.06 % of all light.
 const CLAMP: f64 = 2.0;
