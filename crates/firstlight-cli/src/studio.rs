@@ -127,7 +127,6 @@ pub(crate) fn dress(scene: &mut SceneDescription, args: &PictureArgs) -> Result<
         // Paper.
         studio.background = studio.background.or(Some(Rgb::ONE));
     }
-    studio.clamp = studio.clamp.filter(|_| args.clamp.is_none());
     if own_lights {
         scene.lights.extend(studio.lights());
         if args.exposure.is_none() && !args.input.sets(&["film", "exposure"]) {

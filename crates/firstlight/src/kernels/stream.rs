@@ -298,7 +298,7 @@ impl<'a, S: Simd, O: Others> Stream<'a, S, O> {
         while queues.idle.len > 0 && next < rays.len() {
             queues.idle.len -= 1;
             let walker = queues.idle.get(queues.idle.len);
-            if next % LANES == 0 {
+            if next.is_multiple_of(LANES) {
                 let last = rays.len() - 1;
                 let ray = |lane| &self.walk.rays[rays[last.min(next + lane)] as usize];
                 let group = std::array::from_fn(ray);

@@ -16,10 +16,6 @@ const GROUND: Rgb = Rgb::splat(0.7);
 const SKY: [f32; 3] = [0.6, 0.35, 0.2];
 /// Irradiance of a ground under that sky, W·m⁻²: the integral of radiance × cosine.
 const UNDER_SKY: f64 = PI * SKY[1] as f64 + 2.0 / 3.0 * PI * (SKY[0] - SKY[1]) as f64;
-/// About twice what white paper sends back under the studio's light: what is brighter along one path is light that chance has found
-/// in polished metal, and finds too seldom for a picture. Measured on a helmet, a monkey and varnished balls, it is
-/// 0.02 to 0.06 % of all light.
-const CLAMP: f64 = 2.0;
 /// The part of the key light that is left beside the sky.
 const KEY_BESIDE_SKY: f64 = 0.6;
 
@@ -43,9 +39,6 @@ pub struct Studio {
     pub ground: Option<Rgb>,
     /// Radiance of the background; `None`: that of the ground far away, so that no horizon shows.
     pub background: Option<Rgb>,
-    /// What [`FilmDescription::clamp`] becomes with `surroundings`, if it is not set: polished metal throws bright dots
-    /// around it. `None`: all light counts.
-    pub clamp: Option<f64>,
 }
 
 impl Default for Studio {
@@ -59,7 +52,6 @@ impl Default for Studio {
             surroundings: true,
             ground: Some(GROUND),
             background: None,
-            clamp: Some(CLAMP),
         }
     }
 }
@@ -90,7 +82,6 @@ impl Studio {
         let key = self.key.map(|irradiance| KEY_BESIDE_SKY * irradiance);
         scene.lights.extend(Self { key, headlight: None, ..self.clone() }.lights());
         scene.integrator = Integrator::Path { bounces: None };
-        scene.film.clamp = scene.film.clamp.or(self.clamp);
         let [zenith, horizon, nadir] = SKY.map(Rgb::splat);
         scene.environment = Some(EnvironmentDescription {
             sky: Sky::Gradient { zenith, horizon, nadir },
@@ -195,23 +186,6 @@ mod tests {
                 assert!((ground / background - 1.0).abs().max_element() < 5e-3, "{ground} {up}");
             }
         }
-    }
-
-    /// Only where light bounces in what mirrors, and never against what the scene says itself.
-    #[test]
-    fn the_studio_alone_is_clamped() {
-        let mirror = || ball(Material::mirror("mirror", Rgb::splat(0.5)), DVec3::Z);
-        assert_eq!(mirror().film.clamp, Some(CLAMP));
-        assert_eq!(ball(Material::matte("matte", Rgb::splat(0.5)), DVec3::Z).film.clamp, None);
-        let dressed = |clamp, studio: Studio| {
-            let mut scene = mirror();
-            (scene.environment, scene.film.clamp) = (None, clamp);
-            scene.lights.clear();
-            studio.dress(&mut scene);
-            scene.film.clamp
-        };
-        assert_eq!(dressed(Some(9.0), Studio::default()), Some(9.0));
-        assert_eq!(dressed(None, Studio { clamp: None, ..Studio::default() }), None);
     }
 
     #[test]
