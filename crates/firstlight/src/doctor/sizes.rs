@@ -3,7 +3,7 @@
 use super::{Doctor, finding, quoted};
 use crate::color::Rgb;
 use crate::diagnostic::Diagnostic;
-use crate::scene::description::Surface;
+use crate::scene::description::{Interior, Surface};
 use crate::scene::light_middle;
 use crate::units;
 use glam::DVec3;
@@ -28,17 +28,27 @@ impl Doctor<'_> {
         huge.into_iter().chain(self.mixed()).collect()
     }
 
-    /// A model in a studio, whose light says nothing about its size, that is as large as a town.
+    /// A model in a studio that is as large as a town, of something that looks different in another unit. Where nothing does,
+    /// the picture is the same in metres and in millimetres, and mountains may be as large as they are.
     fn huge(&self) -> Option<Diagnostic> {
-        self.description.ground?;
+        self.description.ground.filter(|_| self.depends_on_lengths())?;
         let size = self.bounds().map(|[lo, hi]| (hi - lo).max_element())?;
         HUGE.contains(&size).then(|| {
             let (now, then) = (units::format(size, "m"), units::format(1e-3 * size, "m"));
             let message = format!(
-                "the model is {now} across; were its lengths millimetres, it would be {then}"
+                "the model is {now} across, and how deep light goes into its materials is said in metres; were its lengths millimetres, it would be {then}"
             );
             finding("size-millimetres", "lengths".into(), message).help(UNIT)
         })
+    }
+
+    /// Whether light is lost, or scattered, over lengths in any material.
+    fn depends_on_lengths(&self) -> bool {
+        let dims = |interior: Interior| {
+            interior.absorption != Rgb::ZERO || interior.scattering != Rgb::ZERO
+        };
+        let materials = &self.description.materials;
+        self.description.surfaces.iter().any(|s| materials[s.material].interior.is_some_and(dims))
     }
 
     /// A scene so large that its lights do nothing, which would suit it in millimetres.
