@@ -11,7 +11,7 @@ use crate::color::Rgb;
 use crate::film::Sample;
 use crate::geometry::{Hit, Ray};
 use crate::scene::description::Shadows;
-use crate::scene::{Interactions, Scene, SeenByCamera};
+use crate::scene::{Scene, SeenByCamera};
 use crate::shading::bsdf::{Bsdf, Frame, Lobe};
 use crate::shading::interaction::{SurfaceInteraction, clearance};
 use crate::shading::light::{Light, LightSample};
@@ -57,8 +57,6 @@ pub(crate) struct Direct<'a> {
 #[derive(Default)]
 pub(crate) struct Scratch {
     hits: Vec<Hit>,
-    /// The points that rays met.
-    met: Vec<Option<SurfaceInteraction>>,
     points: Points,
     lit: Lit,
     /// What the points on surfaces that are more than matte do with light, and their lobes.
@@ -153,13 +151,12 @@ impl<'a> Direct<'a> {
     /// Starts each ray's sum: the background, or what the surface emits and reflects of the ambient light.
     #[inline(always)]
     fn surface_points(&self, rays: &[Ray], scratch: &mut Scratch, recorder: &mut impl Recorder) {
-        let Scratch { hits, met, points, glossy, lobes, samples, .. } = scratch;
+        let Scratch { hits, points, glossy, lobes, samples, .. } = scratch;
         points.clear();
         glossy.clear();
         lobes.clear();
         samples.clear();
-        self.scene.level().run(Interactions { scene: self.scene, rays, hits, points: met });
-        for (ray, (hit, surface)) in hits.iter().zip(met).enumerate() {
+        for (ray, hit) in hits.iter().enumerate() {
             let sample = ray as u32;
             let gain = |source, radiance, reflections| Gain {
                 sample,
@@ -178,7 +175,7 @@ impl<'a> Direct<'a> {
                 width: self.scene.cone.after(hit.t).width,
             });
             samples.push(Sample::of(Rgb::ZERO));
-            let Some(surface) = surface else {
+            if !hit.is_some() {
                 if self.transparent {
                     samples[ray].alpha = 0.0;
                 } else {
@@ -190,26 +187,27 @@ impl<'a> Direct<'a> {
                     );
                 }
                 continue;
-            };
+            }
+            let mut surface = self.scene.interaction(&rays[ray], hit);
             surface.seen_width = self.scene.cone.after(hit.t).width;
             let material = self.scene.material(hit);
-            let start = self.scene.shadow_start(surface, &rays[ray]);
+            let start = self.scene.shadow_start(&surface, &rays[ray]);
             let is_plain = material.is_matte() && !material.has_relief();
             let (scattered, matte, number) = if is_plain {
-                let reflectance = self.scene.evaluate(&material.reflectance, surface).xyz();
+                let reflectance = self.scene.evaluate(&material.reflectance, &surface).xyz();
                 (reflectance, reflectance * FRAC_1_PI, MATTE)
             } else {
                 let (first, outgoing) = (lobes.len(), -rays[ray].direction);
-                let boundary = self.scene.boundary_from_air(material, surface);
+                let boundary = self.scene.boundary_from_air(material, &surface);
                 let (frame, scattered) =
-                    self.scene.add_lobes(material, surface, outgoing, boundary, lobes);
+                    self.scene.add_lobes(material, &surface, outgoing, boundary, lobes);
                 let behind = 2.0 * surface.position - start;
                 glossy.push(Glossy { frame, outgoing, lobes: first..lobes.len(), behind });
                 (scattered, Rgb::ZERO, glossy.len() as u32 - 1)
             };
-            let ambient = self.scene.openness(material, surface)
-                * self.scene.ambient_reflectance(material, surface).unwrap_or(scattered);
-            let emitted = self.scene.emitted(material, surface, -rays[ray].direction);
+            let ambient = self.scene.openness(material, &surface)
+                * self.scene.ambient_reflectance(material, &surface).unwrap_or(scattered);
+            let emitted = self.scene.emitted(material, &surface, -rays[ray].direction);
             add(self.scene, samples, recorder, gain(Source::Surface(hit.surface), emitted, 0));
             add(
                 self.scene,

@@ -29,7 +29,7 @@ pub(crate) struct Parallelogram(Corner);
 
 /// A corner of a flat shape, and the edges that leave it.
 #[derive(Debug, Clone, Copy)]
-struct Corner {
+pub(super) struct Corner {
     /// Where it is, m.
     position: DVec3,
     /// The edges, m.
@@ -181,14 +181,20 @@ impl Parallelogram {
 
 /// A shape that looks different from near and from afar.
 pub(super) trait NearAndFar {
-    /// Whether all points look nearly alike from there.
-    fn is_far(&self, from: DVec3) -> bool;
+    /// Its corner.
+    fn corner(&self) -> &Corner;
 
     /// A sample from afar.
     fn sample_afar(&self, from: DVec3, u: DVec2) -> Option<ShapeSample>;
 
     /// A sample from near.
     fn sample_near(&self, from: DVec3, u: DVec2) -> Option<ShapeSample>;
+
+    /// Whether all points look nearly alike from there.
+    #[inline(always)]
+    fn is_far(&self, from: DVec3) -> bool {
+        self.corner().is_far(from)
+    }
 
     /// A sample from anywhere.
     fn sample(&self, from: DVec3, u: DVec2) -> Option<ShapeSample> {
@@ -198,8 +204,8 @@ pub(super) trait NearAndFar {
 
 impl NearAndFar for Triangle {
     #[inline(always)]
-    fn is_far(&self, from: DVec3) -> bool {
-        self.0.is_far(from)
+    fn corner(&self) -> &Corner {
+        &self.0
     }
 
     #[inline(always)]
@@ -217,8 +223,8 @@ impl NearAndFar for Triangle {
 
 impl NearAndFar for Parallelogram {
     #[inline(always)]
-    fn is_far(&self, from: DVec3) -> bool {
-        self.0.is_far(from)
+    fn corner(&self) -> &Corner {
+        &self.0
     }
 
     #[inline(always)]
