@@ -31,7 +31,7 @@ fn clipped(pixels: &Pixels) -> Option<Diagnostic> {
     // One colour everywhere is meant as it is.
     (white > few && white < all).then(|| {
         let message = format!(
-            "picture \"{}\" ends at white, and {white} of its pixels are just that: what light sun or lamps in it had is lost",
+            "picture \"{}\" ends at white, and {white} of its pixels are just that: the light that a sun or lamps in it had is lost",
             pixels.name
         );
         let help = "use an .hdr or .exr of it, or add the sun as a light of its own, [lights.sun.sun]";

@@ -444,7 +444,7 @@ fn every_complaint_has_its_line_its_path_and_a_hint() {
     // What is called otherwise elsewhere, and numbers up to 255.
     assert_eq!(
         complaint("[materials.a.metal]"),
-        "scene.toml:1:13: unknown choice \"metal\" in materials.a; did you mean \"conductor\"?"
+        "scene.toml:1:14: unknown choice \"metal\" in materials.a; did you mean \"conductor\"?"
     );
     let codes = complaint("materials.a.lambert.reflectance = [128, 64, 32]");
     assert!(codes.contains("not 128") && codes.contains("\"#804020\""), "{codes}");
