@@ -60,7 +60,7 @@ fn pixels_outside_are_refused() {
 #[test]
 fn blocked_rays_are_counted() {
     let folder = Folder::new();
-    let text = folder.run("explain scene.toml --camera top --spp 16 --pixel 39,16").done().text();
+    let text = folder.run("explain scene.toml --camera top --spp 16 --pixel 44,16").done().text();
     let told = text.lines().find(|line| line.contains(" of 16 shadow rays")).unwrap_or(&text);
     assert!(told.contains("blocked, mostly by 'ball', on average after"), "{text}");
     let text = folder.run("explain scene.toml --camera top --spp 16 --pixel 24,8").done().text();

@@ -110,8 +110,16 @@ impl Doctor<'_> {
         let place = || named("camera", &camera.name);
         if let Some(dot) = dot(camera, all) {
             let message = format!("all surfaces together are {dot}");
-            return Some(finding("camera-far", place(), message)
-                .help("are the lengths of camera and models in the same unit? --camera frame shows everything"));
+            // The camera that frames everything is as near as cameras get.
+            let help = match self.description.ground.is_some() && camera.name == "frame" {
+                true => {
+                    "were the model's lengths meant in a larger unit? Say so: --unit m, or unit = \"m\""
+                }
+                false => {
+                    "are the lengths of camera and models in the same unit? --camera frame shows everything"
+                }
+            };
+            return Some(finding("camera-far", place(), message).help(help));
         }
         let dot = dot(camera, self.most_vertices()?)?;
         let [lo, hi] = all;
@@ -231,6 +239,10 @@ fn field(camera: &CameraDescription) -> Option<Diagnostic> {
         let seen = if degrees < FIELDS[0] { "a telescope's" } else { "wider than any lens" };
         let message = format!("a field of view of {degrees:.3}° is {seen}");
         let help = match degrees < FIELDS[0] {
+            // Cameras of models have the model's name before their own.
+            true if camera.name.contains('/') => {
+                "in glTF, yfov is in radians: 0.7 is usual. --camera frame shows everything".into()
+            }
             true => format!("angles are in degrees; if it was meant in radians, write fov = \"{degrees:.4} rad\""),
             false => "fov is the angle from the lower to the upper edge; 40 is usual".into(),
         };

@@ -56,6 +56,14 @@ impl Doctor<'_> {
                     .into(),
             );
         }
+        let enclosed = |light: &LightDescription| self.enclosed(light).is_some();
+        if let Some(light) = lights.iter().find(|_| lights.iter().all(enclosed)) {
+            let name = named("light", &light.name);
+            return (
+                format!("; {name} is inside of something"),
+                "move it outside, or take its shadows".into(),
+            );
+        }
         let tally = self.reached(points);
         self.blocked(&tally).unwrap_or_else(|| self.say(&tally, points))
     }

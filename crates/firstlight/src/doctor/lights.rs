@@ -166,7 +166,7 @@ impl Doctor<'_> {
     }
 
     /// A light that one surface is all around of.
-    fn enclosed(&self, described: &LightDescription) -> Option<Diagnostic> {
+    pub(super) fn enclosed(&self, described: &LightDescription) -> Option<Diagnostic> {
         let position = described.light.position().filter(|_| described.shadows)?;
         let hits = self.stops(&around(position).collect::<Vec<_>>());
         let mut counts = BTreeMap::new();

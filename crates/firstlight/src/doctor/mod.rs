@@ -75,6 +75,7 @@ pub const CODES: &[(&str, &str)] = &[
     ("noise", "the picture is mostly noise"),
     ("normals-far", "shading normals are far from those of the triangles"),
     ("normals-zero", "vertex normals are zero or no numbers"),
+    ("origin-far", "the scene is too far from the origin for single precision"),
     ("picture-black", "what the camera sees is black"),
     ("picture-clipped", "much of the picture is brighter than white"),
     ("reflectance-above-one", "a material reflects more than it gets"),

@@ -859,6 +859,26 @@ fn pictures_on_surfaces() {
     assert!(!findings(&colors).iter().any(|finding| finding.code == "texture-role"));
 }
 
+/// Coordinates of maps are too large for single precision.
+#[test]
+fn scenes_far_from_the_origin() {
+    let at = |far: f64| {
+        let mut scene = read(SCENE);
+        let shift = glam::DVec3::new(far, 0.0, 0.0);
+        for surface in &mut scene.surfaces {
+            surface.transform = glam::DAffine3::from_translation(shift) * surface.transform;
+        }
+        let camera = &mut scene.cameras[0];
+        (camera.position, camera.target) = (camera.position + shift, camera.target + shift);
+        if let Light::Point { position, .. } = &mut scene.lights[0].light {
+            *position += shift;
+        }
+        scene
+    };
+    let words = ["56.6 m across", "4.5 Mm away", "move it to the origin"];
+    told_apart("origin-far", &words, &at(4.5e6 - 20.0), &at(2e3));
+}
+
 #[test]
 fn lengths_in_another_unit() {
     let large = |unit: f64| {
@@ -944,6 +964,8 @@ fn causes_come_before_what_follows_from_them() {
         let finding = found.iter().find(|finding| finding.code == code);
         finding.unwrap_or_else(|| panic!("no {code} in {found:#?}")).to_string()
     };
+    let within = text(&changed("[2, -4, 5]", "[0, 0, 1]", ""), "picture-black");
+    assert!(within.contains("light \"lamp\" is inside of something"), "{within}");
     let roof = "[surfaces.roof]\nquad = { corner = [-30, -30, 6], edge_u = [0, 60, 0], edge_v = [60, 0, 0] }\n";
     let panel = "[surfaces.lamp]\nquad = { corner = [-1, -1, 6.1], edge_u = [0, 2, 0], edge_v = [2, 0, 0] }\nlight.radiance = 20\n";
     let unlit = SCENE.split("[lights").next().unwrap();
