@@ -198,7 +198,7 @@ impl Text<'_> {
         if let Some(cos) = light.cos {
             write!(f, ", cos θ {}", digits(cos))?;
         }
-        writeln!(f, ": {}", verdict(&light.verdict))?;
+        writeln!(f, ": {}", verdict(light))?;
         if light.irradiance != [0.0; 3] {
             irradiance(f, light)?;
         }
@@ -248,12 +248,7 @@ impl Text<'_> {
         self.light(f, light)?;
         self.rays_to(f, name)?;
         let share = percent(light.share);
-        writeln!(
-            f,
-            "\nlight '{}' makes {share} of the pixel: {}",
-            visible(name),
-            verdict(&light.verdict)
-        )
+        writeln!(f, "\nlight '{}' makes {share} of the pixel: {}", visible(name), verdict(light))
     }
 }
 
@@ -285,8 +280,8 @@ fn irradiance(f: &mut Formatter<'_>, light: &Lighting) -> fmt::Result {
     Ok(())
 }
 
-fn verdict(verdict: &Verdict) -> String {
-    match verdict {
+fn verdict(light: &Lighting) -> String {
+    match &light.verdict {
         Verdict::Lit => "nothing is in the way".into(),
         Verdict::Tinted { passed } => {
             format!("passes through panes or fog that leave {}", triple(*passed))
@@ -295,6 +290,9 @@ fn verdict(verdict: &Verdict) -> String {
         Verdict::Blocked { by, distance, at } => {
             let away = units::format((*distance).into(), "m");
             format!("blocked by '{}' after {away}, at {}", visible(by), triple(*at))
+        }
+        Verdict::FacesAway if light.kind == "environment" => {
+            "this sample looks for it below the surface's horizon".into()
         }
         Verdict::FacesAway => "behind the surface, which faces away from it".into(),
         Verdict::InsideOfIt => "this is inside of its sphere, where it gives nothing".into(),

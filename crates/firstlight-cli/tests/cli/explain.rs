@@ -67,6 +67,20 @@ fn blocked_rays_are_counted() {
     assert!(!text.contains("shadow rays"), "{text}");
 }
 
+/// An environment is all around: no surface faces away from it.
+#[test]
+fn samples_below_the_horizon_are_told_as_such() {
+    let folder = Folder::new();
+    let line =
+        "--camera top --spp 4 -D environment.uniform.radiance=1 -D lights.lamp.point.power=0";
+    let all: Vec<_> = (0..16)
+        .map(|x| folder.run(&format!("explain scene.toml {line} --pixel {x},4")).done().text())
+        .collect();
+    let below = |text: &&String| text.contains("looks for it below the surface's horizon");
+    assert!(all.iter().any(|text| below(&text)), "{}", all[0]);
+    assert!(!all.iter().any(|text| text.contains("'environment' (environment): behind")));
+}
+
 /// The light of a pixel in fog, by its terms: f · E, what passes to there, and what from there to the eye.
 #[test]
 fn what_fog_takes_is_told() {

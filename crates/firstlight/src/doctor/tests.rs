@@ -875,7 +875,7 @@ fn scenes_far_from_the_origin() {
         }
         scene
     };
-    let words = ["56.6 m across", "4.5 Mm away", "move it to the origin"];
+    let words = ["4.5 Mm away", "536.4 mm", "move it to the origin"];
     told_apart("origin-far", &words, &at(4.5e6 - 20.0), &at(2e3));
 }
 
