@@ -105,9 +105,10 @@ pub(crate) struct PictureArgs {
     /// Make the background transparent
     #[arg(long)]
     pub transparent: bool,
-    /// Leave out what light scattered more than once brings beyond this radiance; the report says how much that was
+    /// Leave out what light scattered more than once brings beyond this radiance, or nothing by "off"; the report says how
+    /// much that was
     #[arg(long, value_name = "RADIANCE", value_parser = clamp, allow_hyphen_values = true)]
-    pub clamp: Option<f64>,
+    pub clamp: Option<Switch<f64>>,
     /// Seed of every random number
     #[arg(long, value_name = "N", value_parser = seed)]
     #[arg(allow_negative_numbers = true)]
@@ -655,9 +656,13 @@ fn range(text: &str) -> Parsed<[f64; 2]> {
     }
 }
 
-fn clamp(text: &str) -> Parsed<f64> {
+fn clamp(text: &str) -> Parsed<Switch<f64>> {
+    if text.trim() == "off" {
+        return Ok(Switch::Off);
+    }
     let bound = text.trim().parse().ok().filter(|bound: &f64| bound.is_finite() && *bound > 0.0);
-    bound.ok_or_else(|| "needs a radiance greater than 0, in W/(sr m²), such as 10".into())
+    let needed = "needs a radiance greater than 0, in W/(sr m²), such as 10, or off";
+    bound.map(Switch::On).ok_or_else(|| needed.into())
 }
 
 fn sample_range(text: &str) -> Parsed<[u32; 2]> {

@@ -296,6 +296,7 @@ fn material_text(material: &Material) -> String {
     };
     let sides = if material.double_sided { "" } else { ", one-sided" };
     let (kind, color) = match &material.scattering {
+        Scattering::Matte { .. } if material.unlit => ("unlit", "reflectance"),
         Scattering::Matte { .. } => ("matte", "reflectance"),
         Scattering::Mirror { .. } => ("mirror", "ground"),
         Scattering::Conductor { .. } => ("metal", "color"),

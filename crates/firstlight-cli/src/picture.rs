@@ -71,7 +71,7 @@ impl PictureArgs {
         film.exposure = self.exposure.unwrap_or(film.exposure);
         film.view = self.view.unwrap_or(film.view);
         film.transparent |= self.transparent;
-        film.clamp = self.clamp.or(film.clamp);
+        film.clamp = self.clamp.map_or(film.clamp, |clamp| clamp.on());
     }
 
     /// Worker threads.

@@ -144,13 +144,13 @@ pub(crate) fn noise(noise: Option<Noise>, at_most: bool) -> String {
     }
 }
 
-/// What clamping has removed, after a comma, if it was asked for.
+/// What clamping has removed, after a comma, if it has.
 pub(crate) fn clamped(scene: &SceneDescription, part: f64) -> String {
     match scene.film.clamp {
-        Some(bound) => {
+        Some(bound) if part > 0.0 => {
             format!(", {:.2} % of all light removed by clamping at {bound}", 100.0 * part)
         }
-        None => String::new(),
+        _ => String::new(),
     }
 }
 

@@ -95,9 +95,10 @@ fn irradiance_in_the_middle(scene: &SceneDescription) -> Rgb {
         }
     };
     let surfaces = scene.surfaces.iter().filter_map(|surface| {
-        let [r, g, b, _] = scene.materials[surface.material].emission.factor;
+        let material = &scene.materials[surface.material];
+        let [r, g, b, _] = material.emission.factor;
         let radiance = Rgb::new(r, g, b);
-        let area = (radiance != Rgb::ZERO).then(|| scene.emitting_area(surface)).flatten()?;
+        let area = material.is_light().then(|| scene.emitting_area(surface)).flatten()?;
         // Wherever it is, it is about that far away.
         Some(radiance * (area / (size * size)) as f32)
     });

@@ -29,5 +29,6 @@ fn pictures(folder: &Path) -> Vec<PathBuf> {
 
 fn is_picture(path: &Path) -> bool {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    ["png", "jpg", "jpeg", "webp", "hdr", "exr", "pfm"].contains(&extension.as_str())
+    ["png", "jpg", "jpeg", "webp", "tga", "bmp", "tif", "tiff", "gif", "hdr", "exr", "pfm"]
+        .contains(&extension.as_str())
 }

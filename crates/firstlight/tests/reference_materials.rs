@@ -43,6 +43,67 @@ fn solids_absorb_as_beer_and_lambert_say() {
     close(seen.z, (-20.0_f64).exp(), 1e-4);
 }
 
+/// PA4: under a white sky a sheet of white metal is white, or what its facets scatter once if that alone is asked for.
+#[test]
+fn rough_metal_may_be_left_with_what_it_scatters_once() {
+    let (angle, once) = (60_f64.to_radians(), [(0.3_f32, 0.821711053), (1.0, 0.450693847)]);
+    let ray = toward(v(angle.tan(), 0.0, 1.0), DVec3::ZERO);
+    for ((alpha, once), several) in once.into_iter().flat_map(|o| [(o, false), (o, true)]) {
+        let mut facets = Facets::of(Scalar::constant(alpha.sqrt()));
+        facets.multiple_scattering = several;
+        let scattering = Scattering::Conductor { index: None, facets };
+        let metal = Material { scattering, ..Material::matte("metal", Vec3::ONE) };
+        let mut scene = furnace(vec![metal]);
+        add(&mut scene, floor());
+        let seen = radiance(&Scene::build(&scene), &ray, 1e-3).x;
+        close(seen, if several { 1.0 } else { once }, 5e-3);
+    }
+}
+
+/// What is unlit is a colour for the eye, on the way there by mirrors and clear glass as well; it is no lamp.
+#[test]
+fn unlit_surfaces_are_seen_and_light_nothing() {
+    let panel = |x| {
+        let (corner, edge_u) = (v(x, 1.0, 0.0), v(0.0, 0.0, 2.0));
+        Shape::Quad(Quad { corner, edge_u, edge_v: v(2.0, 0.0, 0.0) })
+    };
+    let emission = Texture::constant(Vec3::new(0.2, 0.4, 3.0));
+    for (unlit, integrator) in [
+        (true, Integrator::Path { bounces: None }),
+        (true, Integrator::Direct),
+        (false, Integrator::Path { bounces: None }),
+    ] {
+        let sign =
+            Material { unlit, emission: emission.clone(), ..Material::matte("sign", Vec3::ZERO) };
+        let floor_of = Material::matte("floor", Vec3::ONE);
+        let mut scene =
+            furnace(vec![sign, floor_of, Material::mirror("mirror", Vec3::ONE), pane(1.0)]);
+        (scene.environment, scene.integrator) = (None, integrator);
+        light(&mut scene, point_light(v(0.0, 0.0, 50.0), Vec3::ZERO));
+        add_with(&mut scene, panel(-1.0), 0);
+        add_with(&mut scene, floor(), 1);
+        let wall = Quad {
+            corner: v(-5.0, -5.0, 0.0),
+            edge_u: v(10.0, 0.0, 0.0),
+            edge_v: v(0.0, 0.0, 9.0),
+        };
+        add_with(&mut scene, Shape::Quad(wall), 2);
+        let glass = Disk { center: v(0.0, 0.5, 1.0), normal: DVec3::Y, radius: 0.4 };
+        add_with(&mut scene, Shape::Disk(glass), 3);
+        let seen = Scene::build(&scene);
+        let through = radiance(&seen, &toward(v(0.0, 0.0, 1.0), v(0.0, 1.0, 1.0)), 1e-6);
+        close(through.z, 3.0, 1e-6);
+        if integrator != Integrator::Direct {
+            let mirrored = radiance(&seen, &toward(v(0.7, 0.9, 1.0), v(0.7, -5.0, 1.0)), 1e-6);
+            close(mirrored.y, 0.4, 1e-6);
+        }
+        let before = seen.irradiance(v(0.0, 0.0, 0.0), DVec3::Z).value;
+        assert_eq!(before == Vec3::ZERO, unlit, "{before}");
+        let ground = radiance(&seen, &toward(v(0.0, 0.0, 0.5), v(0.5, 0.3, 0.0)), 1e-2);
+        assert_eq!(ground == Vec3::ZERO, unlit, "{ground}");
+    }
+}
+
 /// Panes tint the light of point lights and suns, and do not stop it.
 #[test]
 fn lights_shine_through_panes() {

@@ -59,6 +59,22 @@ fn a_model_is_shown_in_a_studio() {
     assert_eq!((json["triangles"].as_u64(), json["lights"].as_u64()), (Some(4), Some(2)));
 }
 
+/// Nothing is left out of a picture unless asked, and then the report says how much that is.
+#[test]
+fn a_model_is_clamped_when_asked() {
+    let folder = folder();
+    folder.write("s.obj", &format!("mtllib s.mtl\nusemtl s\n{MODEL}"));
+    folder.write("s.mtl", "newmtl s\nPm 1\nPr 0.1\n");
+    let clamped = |flags: &str| {
+        let line = format!("render s.obj {flags} -r 40x30 --spp 2 -o s.png --json");
+        folder.run(&line).done().json()["clamped"].clone()
+    };
+    assert!(clamped("").is_null());
+    assert!(clamped("--clamp 0.001").as_f64() > clamped("--clamp 0.1").as_f64());
+    assert!(clamped("-D film.clamp=0.001").is_number());
+    assert!(clamped("-D film.clamp=0.001 --clamp off").is_null());
+}
+
 /// The studio and the looks choose for themselves only what was not chosen.
 #[test]
 fn what_is_set_stays_as_it_is_set() {

@@ -6,7 +6,7 @@ use super::collapse::{children, is_leaf, plan};
 use super::reference::{Item, Reference, Triangles};
 use super::reinsert::improve;
 use crate::geometry::Bounds;
-use crate::kernels::{Child, Node, Tree, TriangleBlock, Word};
+use crate::kernels::{Child, Node, Tree, TriangleBlock, Word, slots_for};
 use crate::simd::{LANES, Pages};
 use rayon::prelude::*;
 
@@ -97,7 +97,8 @@ impl Wide {
     fn node(&self, binary: &[BinaryNode]) -> Node {
         let mut node = Node::empty();
         let (mut next_node, mut next_block) = (self.first_node as usize, self.first_block as usize);
-        for (slot, &root) in children(binary, self.root).list().iter().enumerate() {
+        let roots = children(binary, self.root);
+        for (&root, slot) in roots.list().iter().zip(slots(binary, roots.list())) {
             let root = &binary[root as usize];
             let child = match kind(root) {
                 Kind::Node => {
@@ -114,6 +115,15 @@ impl Wide {
         }
         node
     }
+}
+
+/// The slots of children.
+fn slots(binary: &[BinaryNode], roots: &[u32]) -> [usize; LANES] {
+    let mut bounds = [Bounds::EMPTY; LANES];
+    for (bounds, &root) in bounds.iter_mut().zip(roots) {
+        *bounds = binary[root as usize].bounds;
+    }
+    slots_for(&bounds[..roots.len()])
 }
 
 impl Leaf {

@@ -242,7 +242,8 @@ impl Doctor<'_> {
             (PI as f32 * sky.factor.max_element(), name, Dimension::Radiance, sky.factor)
         };
         let all = description.lights.iter().map(of_light);
-        let all = all.chain(description.surfaces.iter().map(of_surface));
+        let shines = |surface: &&Surface| description.materials[surface.material].is_light();
+        let all = all.chain(description.surfaces.iter().filter(shines).map(of_surface));
         let all = all.chain(description.environment.iter().map(of_sky));
         let strongest =
             all.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|strongest| strongest.0 > 0.0);

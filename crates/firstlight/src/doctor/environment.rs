@@ -21,7 +21,8 @@ pub(super) fn examine(scene: &SceneDescription) -> Option<Diagnostic> {
 fn clipped(pixels: &Pixels) -> Option<Diagnostic> {
     let all = pixels.width as usize * pixels.height as usize;
     let white = match &pixels.texels {
-        Texels::Srgb8(texels) => texels.iter().filter(|t| t[..3].contains(&255)).count(),
+        Texels::Srgb8(texels) => texels.iter().filter(|t| t[..3].contains(&u8::MAX)).count(),
+        Texels::Srgb16(texels) => texels.iter().filter(|t| t[..3].contains(&u16::MAX)).count(),
         Texels::Linear(texels) if texels.iter().all(|t| t[..3].iter().all(|x| *x <= 1.0)) => {
             texels.iter().filter(|t| t[..3].contains(&1.0)).count()
         }

@@ -36,7 +36,7 @@ pub fn none(scene: &SceneDescription) -> Option<Diagnostic> {
     let dark = scene.lights.is_empty()
         && scene.environment.is_none()
         && !brings_light(&scene.integrator)
-        && !scene.surfaces.iter().any(|surface| emits(&scene.materials[surface.material]));
+        && !scene.surfaces.iter().any(|surface| scene.materials[surface.material].emits());
     (dark && !scene.surfaces.is_empty()).then(|| {
         let message = "there are no lights, and nothing emits light: all surfaces are black";
         let help =
@@ -48,10 +48,6 @@ pub fn none(scene: &SceneDescription) -> Option<Diagnostic> {
 /// Whether an integrator shows surfaces by a light of its own.
 fn brings_light(integrator: &Integrator) -> bool {
     matches!(integrator, Integrator::AmbientOcclusion { .. } | Integrator::Clarity { .. })
-}
-
-fn emits(material: &Material) -> bool {
-    material.emission.factor[..3].iter().any(|channel| *channel > 0.0)
 }
 
 /// Why nothing gets a light's light.
@@ -264,7 +260,7 @@ impl Doctor<'_> {
         let description = self.description;
         let off = description.surfaces.iter().filter(|surface| {
             let material = &description.materials[surface.material];
-            !material.emits_behind && !emits(material)
+            !material.emits_behind && !material.emits()
         });
         let off = off.map(|surface| {
             let message = "is said to be a light, and gives none";
@@ -394,6 +390,7 @@ fn is_black(environment: &EnvironmentDescription) -> bool {
         Sky::Gradient { zenith, horizon, nadir } => [zenith, horizon, nadir].into_iter().all(black),
         Sky::Picture { pixels, .. } => match &pixels.texels {
             Texels::Srgb8(texels) => texels.iter().all(|texel| texel[..3] == [0; 3]),
+            Texels::Srgb16(texels) => texels.iter().all(|texel| texel[..3] == [0; 3]),
             Texels::Linear(texels) => {
                 texels.iter().all(|texel| texel[..3].iter().all(|x| *x <= 0.0))
             }

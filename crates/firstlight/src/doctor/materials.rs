@@ -105,6 +105,9 @@ fn most_opaque(scene: &SceneDescription, texture: &Texture, care: Care) -> f32 {
                 Texels::Srgb8(texels) => {
                     texels.iter().map(|texel| f32::from(texel[3]) / 255.0).fold(0.0, f32::max)
                 }
+                Texels::Srgb16(texels) => {
+                    texels.iter().map(|texel| f32::from(texel[3]) / 65535.0).fold(0.0, f32::max)
+                }
                 Texels::Linear(texels) => texels.iter().map(|texel| texel[3]).fold(0.0, f32::max),
             }
         }

@@ -6,7 +6,7 @@ use crate::color::{Rgb, View, srgb_code8};
 use crate::diagnostic::Diagnostic;
 use crate::film::{Noise, auto_exposure};
 use crate::render::Rendered;
-use crate::scene::description::FilmDescription;
+use crate::scene::description::{Alpha, FilmDescription, Material};
 
 /// The part of a picture that may be cut off at white without a word.
 const CLIPPED: f64 = 0.05;
@@ -77,13 +77,17 @@ impl Doctor<'_> {
             return (!far).then(|| self.sees_nothing());
         }
         let black = |message: String| Diagnostic::new("", message).code("picture-black");
+        let brightest = Rgb::new(rendered.brightest, 0.0, 0.0);
+        let is_dark = shown.is_black(brightest, self.description.film.view);
+        if is_dark && self.is_seen_through(shown) {
+            return None;
+        }
         if rendered.brightest <= 0.0 {
             let (why, help) = self.why_dark(&self.probes.seen().collect::<Vec<_>>());
             let message = format!("no light reaches the camera: what it sees is all black{why}");
             return Some(black(message).help(help));
         }
-        let brightest = Rgb::new(rendered.brightest, 0.0, 0.0);
-        if shown.is_black(brightest, self.description.film.view) {
+        if is_dark {
             let dim = "what the camera sees is so dim that it comes out black";
             if let Some((why, help)) = self.in_the_way(&self.probes.seen().collect::<Vec<_>>()) {
                 return Some(black(format!("{dim}{why}")).help(help));
@@ -119,28 +123,39 @@ impl Doctor<'_> {
         error.help(format!("try --camera frame, which shows everything{aside}"))
     }
 
-    /// Most of what the camera sees is black, if not all.
-    fn partly_black(&self, shown: &Shown<'_>) -> Option<Diagnostic> {
-        let view = self.description.film.view;
-        let image = &shown.rendered.image;
-        // Of a part of the picture, it is not known where the rays went.
-        let camera = self.scene.camera();
-        if [image.width(), image.height()] != [camera.width(), camera.height()] {
-            return None;
-        }
+    /// Whether surfaces that are only partly there are all that is black: the picture shows what is behind them.
+    fn is_seen_through(&self, shown: &Shown<'_>) -> bool {
+        let partly_there = |material: &Material| material.alpha != Alpha::Opaque;
+        let black = self.black(shown);
+        let mostly =
+            |black: Vec<_>| black.is_empty() || 2 * black.len() < self.probes.seen().count();
+        self.description.materials.iter().any(partly_there) && black.is_none_or(mostly)
+    }
+
+    /// What the camera sees that is black in the picture; `None` if it is not known where the rays of the picture went.
+    fn black(&self, shown: &Shown<'_>) -> Option<Vec<&Witness>> {
+        let (image, camera) = (&shown.rendered.image, self.scene.camera());
+        let whole = [image.width(), image.height()] == [camera.width(), camera.height()];
         let is_black = |witness: &&Witness| {
             let film = self.probes.rays[witness.probe].film;
             let [x, y] = [film.x * image.width() as f32, film.y * image.height() as f32];
             let (x, y) = (x as u32, y as u32);
-            shown.is_black(image.get(x.min(image.width() - 1), y.min(image.height() - 1)), view)
+            let pixel = image.get(x.min(image.width() - 1), y.min(image.height() - 1));
+            shown.is_black(pixel, self.description.film.view)
         };
-        let black: Vec<_> = self.probes.seen().filter(is_black).collect();
+        whole.then(|| self.probes.seen().filter(is_black).collect())
+    }
+
+    /// Most of what the camera sees is black, if not all.
+    fn partly_black(&self, shown: &Shown<'_>) -> Option<Diagnostic> {
+        let view = self.description.film.view;
+        let black = self.black(shown)?;
         let part = black.len() as f64 / self.probes.seen().count().max(1) as f64;
         let allowed = if self.description.ground.is_some() { BLACK_IN_STUDIO } else { BLACK };
         if part < allowed {
             return None;
         }
-        let pixels = image.pixels();
+        let pixels = shown.rendered.image.pixels();
         let count = pixels.iter().filter(|p| shown.is_black(Rgb::new(p[0], p[1], p[2]), view));
         let dark = match self.description.ground {
             None => {

@@ -119,7 +119,7 @@ impl Doctor<'_> {
         let model = |surface: &Surface| Some(surface.name.split_once('/')?.0.to_owned());
         let mut boxes = BTreeMap::<String, [DVec3; 2]>::new();
         for ((number, surface), around) in (0..).zip(&scene.surfaces).zip(&self.boxes) {
-            let shines = scene.materials[surface.material].emission.factor[..3] != [0.0; 3];
+            let shines = scene.materials[surface.material].emits();
             let counts = !shines && !inside.contains(&number);
             if let (true, Some(name), Some([lo, hi])) = (counts, model(surface), around) {
                 let entry = boxes.entry(name).or_insert([*lo, *hi]);

@@ -292,6 +292,25 @@ fn what_is_all_but_in_the_dark_is_told_why() {
     texts_told_apart("picture-black", &words, &roof(8.0), &roof(22.0));
 }
 
+/// A black sheet before a bright sky is no black picture as long as the sky is seen through it.
+#[test]
+fn what_is_seen_through_is_not_black() {
+    let sheet = |opacity: f32, samples: u32| {
+        format!(
+            "integrator = 'path'
+            film = {{ resolution = [24, 16], samples = {samples} }}
+            environment.uniform.radiance = 1
+            camera.perspective = {{ position = [0, -4, 0], target = [0, 0, 0] }}
+            materials.black.lambert = {{ reflectance = 0, opacity = {opacity} }}
+            surfaces.sheet = {{ quad = {{ corner = [-9, 0, -9], edge_u = [18, 0, 0], edge_v = [0, 0, 18] }}, material = 'black' }}
+            "
+        )
+    };
+    let words = ["what it sees is all black"];
+    texts_told_apart("picture-black", &words, &sheet(1.0, 16), &sheet(0.4, 16));
+    not_told("picture-black", &sheet(0.7, 4));
+}
+
 /// A small window that few of so few paths have found.
 #[test]
 fn what_was_not_found_is_noise() {

@@ -180,6 +180,7 @@ impl Roles {
             large
                 && match &pixels.texels {
                     Texels::Srgb8(texels) => texels.iter().all(|texel| *texel == texels[0]),
+                    Texels::Srgb16(texels) => texels.iter().all(|texel| *texel == texels[0]),
                     Texels::Linear(texels) => texels.iter().all(|texel| *texel == texels[0]),
                 }
         };
@@ -207,6 +208,11 @@ fn samples(pixels: &Pixels) -> Vec<[f32; 4]> {
             .iter()
             .step_by(step)
             .map(|texel| texel.map(|code| f32::from(code) / 255.0))
+            .collect(),
+        Texels::Srgb16(texels) => texels
+            .iter()
+            .step_by(step)
+            .map(|texel| texel.map(|code| f32::from(code) / 65535.0))
             .collect(),
         Texels::Linear(texels) => texels.iter().step_by(step).copied().collect(),
     }

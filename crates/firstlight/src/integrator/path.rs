@@ -367,7 +367,7 @@ impl<'a> Path<'a> {
                 Frame::around(surface.shading_normal)
             } else {
                 let emitted = self.scene.emitted(material, &surface, -ray.direction);
-                if emitted != Rgb::ZERO {
+                if emitted != Rgb::ZERO && (walk.sharp_only || !material.unlit) {
                     let weight = self.weight_of_emission(&walk, &surface);
                     let source = Source::Surface(hit.surface);
                     add(self.scene, samples, recorder, walk.gain(bounce, source, emitted * weight));

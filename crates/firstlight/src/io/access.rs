@@ -106,6 +106,28 @@ impl FileAccess {
         ))
     }
 
+    /// The bytes of `name`; if it is not there, of what it must have meant, and how that is called from the scene's folder.
+    ///
+    /// Models go from one machine to another, and keep the paths of the first: so ends of the path are looked for, from
+    /// all of it down to the file name alone, in any case of letters.
+    ///
+    /// # Errors
+    /// As [`FileAccess::read`] of `name`.
+    pub(crate) fn read_meant(&self, name: &str) -> Result<(Vec<u8>, Option<String>)> {
+        /// Folders that are kept of a path, at the most.
+        const DEPTH: usize = 16;
+        let error = match self.read(name) {
+            Ok(bytes) => return Ok((bytes, None)),
+            Err(error) => error,
+        };
+        let parts: Vec<&str> = name.split(['/', '\\']).collect();
+        let ends = (parts.len().saturating_sub(DEPTH)..parts.len()).map(|start| &parts[start..]);
+        let roots = || std::iter::once(&self.folder).chain(&self.target);
+        let meant = ends.flat_map(|end| roots().filter_map(move |root| in_any_case(root, end)));
+        let mut found = meant.filter_map(|name| Some((self.read(&name).ok()?, Some(name))));
+        found.next().ok_or(error)
+    }
+
     /// `name` in the scene's folder or, if it is not there, beside the file that the scene is a link to.
     fn find(&self, name: &str) -> PathBuf {
         let path = self.folder.join(name);
@@ -159,6 +181,26 @@ pub(crate) fn cause(error: &std::io::Error) -> String {
     }
 }
 
+/// The path of these folders and a file as it is written below `root`, if it is there but for the case of letters.
+fn in_any_case(root: &Path, parts: &[&str]) -> Option<String> {
+    let mut path = root.to_owned();
+    let mut names = Vec::with_capacity(parts.len());
+    for part in parts {
+        let name = if path.join(part).exists() { (*part).into() } else { alike(&path, part)? };
+        path.push(&name);
+        names.push(name);
+    }
+    Some(names.join("/"))
+}
+
+/// The first name in `folder` that is `name` but for the case of letters.
+fn alike(folder: &Path, name: &str) -> Option<String> {
+    let lower = name.to_lowercase();
+    let entries = std::fs::read_dir(folder).ok()?;
+    let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+    names.filter(|name| name.to_lowercase() == lower).min()
+}
+
 fn folder_of(path: &Path) -> PathBuf {
     path.parent().unwrap_or(path).to_owned()
 }
@@ -190,6 +232,34 @@ mod tests {
         let complaint = |name: &str| access.resolve(name).unwrap_err().to_string();
         assert!(complaint("https://example.org/a.png").contains("network addresses"));
         assert!(complaint("File:///a.png").contains("local file URLs are not opened"));
+    }
+
+    #[test]
+    fn paths_of_other_machines_are_found_by_their_ends() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::create_dir(folder.path().join("Tex")).unwrap();
+        for name in ["Tex/Wood.PNG", "stone.png"] {
+            std::fs::write(folder.path().join(name), name).unwrap();
+        }
+        let access = FileAccess::beside(&folder.path().join("m.obj"), &[]);
+        for (name, found) in [
+            ("Tex/Wood.PNG", None),
+            ("tex/wood.png", Some("Tex/Wood.PNG")),
+            ("C:\\Users\\me\\tex\\WOOD.png", Some("Tex/Wood.PNG")),
+            ("/home/me/proj/Tex/Wood.PNG", Some("Tex/Wood.PNG")),
+            ("../maps/Stone.png", Some("stone.png")),
+            ("\\\\server\\share\\stone.png", Some("stone.png")),
+        ] {
+            let (bytes, meant) = access.read_meant(name).unwrap();
+            assert_eq!(meant.as_deref(), found, "{name}");
+            assert_eq!(bytes, found.unwrap_or(name).as_bytes());
+        }
+        let deep = "a/".repeat(100_000) + "wood.png";
+        for gone in ["wood.png", "Tex", "", "tex/", &deep] {
+            assert!(access.read_meant(gone).is_err(), "{gone}");
+        }
+        let outside = FileAccess::beside(&folder.path().join("Tex/m.obj"), &[]);
+        assert!(outside.read_meant("../STONE.png").is_err());
     }
 
     #[cfg(unix)]

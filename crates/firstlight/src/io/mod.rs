@@ -5,6 +5,7 @@
 
 mod access;
 mod atomic;
+mod decoders;
 mod exr;
 pub mod gltf;
 mod hdr;

@@ -1,20 +1,18 @@
-//! Pictures in: the bytes of a PNG, JPEG, WebP, KTX2, HDR, EXR or PFM file → [`Pixels`] or an [`Image`].
+//! Pictures in: the bytes of a file in one of the formats that [`decode`] knows → [`Pixels`] or an [`Image`].
 
-use super::{Limits, exr, hdr, ktx2, pfm, png};
+use super::{Limits, decoders, exr, hdr, ktx2, pfm, png};
 use crate::Image;
-use crate::color::srgb_linear8;
+use crate::color::{srgb_linear8, srgb_linear16};
 use crate::diagnostic::{Diagnostic, Result};
 use crate::scene::description::{Pixels, Texels};
-use image::codecs::{jpeg::JpegDecoder, webp::WebPDecoder};
-use image::{ColorType, ImageDecoder};
-use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Decodes a picture; the format is recognised by its first bytes, not by the name.
 ///
-/// JPEG, WebP, KTX2 and PNG are taken as sRGB-encoded whatever colour profile they carry, as glTF demands; 16-bit PNG
-/// becomes linear. HDR, EXR and PFM are linear and may not hold NaN or infinities. Of an EXR file the first
-/// layer with colour (R, G, B or one grey channel) is read, its data window being the picture.
+/// PNG, JPEG, WebP, KTX2, TGA, BMP, TIFF and GIF are taken as sRGB-encoded whatever colour profile they carry, as glTF
+/// demands. HDR, EXR, PFM and TIFF of floats are linear and may not hold NaN or
+/// infinities. Of an EXR file the first layer with colour (R, G, B or one grey channel) is read, its data window being
+/// the picture; of TIFF and GIF the first picture.
 ///
 /// # Errors
 /// If the format is unknown, the data is broken or cut off, or it would unpack to more than `limits` allow;
@@ -23,13 +21,17 @@ pub fn decode(bytes: &[u8], name: &str, limits: &Limits) -> Result<Pixels> {
     let input = Input { bytes, name, limits };
     let read: fn(&Input) -> Result<Pixels> = match bytes {
         [0x89, b'P', b'N', b'G', ..] => png::decode,
-        [0xFF, 0xD8, 0xFF, ..] => decode_jpeg,
-        [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => decode_webp,
+        [0xFF, 0xD8, 0xFF, ..] => decoders::jpeg,
+        [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => decoders::webp,
         [0xAB, b'K', b'T', b'X', b' ', b'2', b'0', ..] => ktx2::decode,
         [b'#', b'?', ..] => hdr::decode,
         [0x76, 0x2F, 0x31, 0x01, ..] => exr::decode,
         [b'P', b'F' | b'f', b'\n' | b'\r' | b' ' | b'\t', ..] => pfm::decode,
+        [b'B', b'M', ..] => decoders::bmp,
+        [b'G', b'I', b'F', b'8', ..] => decoders::gif,
+        [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => decoders::tiff,
         [] => return Err(input.fail("this picture file is empty").into()),
+        _ if decoders::is_tga(bytes) => decoders::tga,
         _ => return Err(input.fail("this is not a picture in a known format").help(KNOWN).into()),
     };
     guarded(&input, || read(&input))
@@ -44,7 +46,7 @@ fn gave_up(input: &Input) -> Box<Diagnostic> {
     input.fail("the decoder gave up on this picture: it is damaged").into()
 }
 
-const KNOWN: &str = "PNG, JPEG, WebP, KTX2, HDR, EXR and PFM can be read";
+const KNOWN: &str = "PNG, JPEG, WebP, KTX2, TGA, BMP, TIFF, GIF, HDR, EXR and PFM can be read";
 
 /// Reads a picture file as linear radiance.
 ///
@@ -58,12 +60,20 @@ pub fn load_image(bytes: &[u8], name: &str, limits: &Limits) -> Result<Image> {
             let _ = Input { bytes, name, limits }.room_for(width.into(), height.into(), 16)?;
             texels.into_iter().map(linear).collect()
         }
+        Texels::Srgb16(texels) => {
+            let _ = Input { bytes, name, limits }.room_for(width.into(), height.into(), 16)?;
+            texels.into_iter().map(deep_linear).collect()
+        }
     };
     Ok(Image::from_pixels(width, height, pixels))
 }
 
 fn linear([r, g, b, a]: [u8; 4]) -> [f32; 4] {
     [srgb_linear8(r), srgb_linear8(g), srgb_linear8(b), f32::from(a) / 255.0]
+}
+
+fn deep_linear([r, g, b, a]: [u16; 4]) -> [f32; 4] {
+    [srgb_linear16(r), srgb_linear16(g), srgb_linear16(b), f32::from(a) / f32::from(u16::MAX)]
 }
 
 /// A picture file to be read.
@@ -125,6 +135,11 @@ impl Input<'_> {
     pub(super) fn srgb(&self, width: u32, height: u32, texels: Vec<[u8; 4]>) -> Pixels {
         Pixels { name: self.name.into(), width, height, texels: Texels::Srgb8(texels) }
     }
+
+    /// The same of 16 bits.
+    pub(super) fn deep(&self, width: u32, height: u32, texels: Vec<[u16; 4]>) -> Pixels {
+        Pixels { name: self.name.into(), width, height, texels: Texels::Srgb16(texels) }
+    }
 }
 
 /// A number of bytes for people.
@@ -151,56 +166,6 @@ pub(super) fn rgba<T: Copy>(samples: &[T], channels: usize, opaque: T) -> Vec<[T
     samples.chunks_exact(channels).map(texel).collect()
 }
 
-fn decode_jpeg(input: &Input) -> Result<Pixels> {
-    // The decoder would fill what is missing with grey.
-    if !jpeg_is_whole(input.bytes) {
-        let help = "copy or download it again, or save it anew in a picture editor";
-        return Err(input.fail("this JPEG is cut off: it has no end marker").help(help).into());
-    }
-    let decoder = JpegDecoder::new(Cursor::new(input.bytes)).map_err(|e| unreadable(input, &e))?;
-    let (width, height) = decoder.dimensions();
-    // A block of 8 × 8 pixels takes one bit at the very least.
-    input.at_least(u64::from(width) * u64::from(height) / 512)?;
-    decode_8bit(input, decoder)
-}
-
-/// Whether the segments of a JPEG lead to its end marker, as opposed to that of an embedded preview.
-fn jpeg_is_whole(mut rest: &[u8]) -> bool {
-    let is_marker =
-        |pair: &[u8]| pair[0] == 0xFF && !matches!(pair[1], 0x00 | 0x01 | 0xD0..=0xD8 | 0xFF);
-    while let Some(at) = rest.windows(2).position(is_marker) {
-        match rest[at + 1..] {
-            [0xD9, ..] => return true,
-            [_, high, low, ..] => {
-                let length = usize::from(u16::from_be_bytes([high, low]));
-                rest = rest.get(at + 2 + length..).unwrap_or_default();
-            }
-            _ => return false,
-        }
-    }
-    false
-}
-
-fn decode_webp(input: &Input) -> Result<Pixels> {
-    let decoder = WebPDecoder::new(Cursor::new(input.bytes)).map_err(|e| unreadable(input, &e))?;
-    decode_8bit(input, decoder)
-}
-
-fn decode_8bit(input: &Input, decoder: impl ImageDecoder) -> Result<Pixels> {
-    let (width, height) = decoder.dimensions();
-    let count = input.room_for(width.into(), height.into(), 4)?;
-    let channels = match decoder.color_type() {
-        ColorType::L8 => 1,
-        ColorType::La8 => 2,
-        ColorType::Rgb8 => 3,
-        ColorType::Rgba8 => 4,
-        other => return Err(input.fail(format!("pictures of {other:?} cannot be read")).into()),
-    };
-    let mut samples = vec![0; count * channels];
-    decoder.read_image(&mut samples).map_err(|e| unreadable(input, &e))?;
-    Ok(input.srgb(width, height, rgba(&samples, channels, u8::MAX)))
-}
-
 /// Passes on what a decoder says.
 pub(super) fn unreadable(input: &Input, error: &dyn std::error::Error) -> Diagnostic {
     input.fail(format!("cannot read this picture: {error}"))
@@ -211,6 +176,7 @@ mod tests {
     use super::*;
     use crate::io::{BitDepth, Develop, Format, Metadata, Precision, save};
     use image::{ExtendedColorType, ImageEncoder, ImageFormat};
+    use std::io::Cursor;
 
     const FORMATS: [Format; 6] = [
         Format::Png { bits: BitDepth::Eight },
@@ -219,6 +185,15 @@ mod tests {
         Format::Exr { precision: Precision::Float },
         Format::Hdr,
         Format::Pfm,
+    ];
+
+    const OTHERS: [ImageFormat; 6] = [
+        ImageFormat::Jpeg,
+        ImageFormat::WebP,
+        ImageFormat::Tga,
+        ImageFormat::Bmp,
+        ImageFormat::Tiff,
+        ImageFormat::Gif,
     ];
 
     fn load(bytes: &[u8]) -> Result<Image> {
@@ -239,12 +214,15 @@ mod tests {
         Image::from_pixels(19, 11, (0..19 * 11).map(|_| [next(), next(), next(), 1.0]).collect())
     }
 
+    fn samples() -> Vec<u8> {
+        (0..16 * 8 * 3).map(|i| (i % 251) as u8).collect()
+    }
+
     fn encoded(format: ImageFormat) -> Vec<u8> {
-        let samples: Vec<u8> = (0..16 * 8 * 3).map(|i| (i % 251) as u8).collect();
         let mut file = Cursor::new(Vec::new());
         image::write_buffer_with_format(
             &mut file,
-            &samples,
+            &samples(),
             16,
             8,
             ExtendedColorType::Rgb8,
@@ -298,9 +276,11 @@ mod tests {
                 assert!(error.starts_with("wood.png"), "{format:?} cut at {length}: {error}");
             }
         }
-        for format in [ImageFormat::Jpeg, ImageFormat::WebP] {
+        for format in OTHERS {
             let file = encoded(format);
-            for length in 0..file.len() - 1 {
+            // The end of a GIF holds no pixels.
+            let unused = if format == ImageFormat::Gif { 3 } else { 1 };
+            for length in 0..file.len() - unused {
                 assert!(decode(&file[..length], "cut", &Limits::default()).is_err(), "{length}");
             }
         }
@@ -310,7 +290,7 @@ mod tests {
     fn damaged_files_are_no_trouble() {
         let limits = Limits { decoded_bytes: 1 << 20 };
         let files = FORMATS.map(|format| saved(&noise(), format)).into_iter();
-        for file in files.chain([encoded(ImageFormat::Jpeg), encoded(ImageFormat::WebP)]) {
+        for file in files.chain(OTHERS.map(encoded)) {
             for at in 0..file.len() {
                 for value in [0, 1, 0x7F, 0x80, 0xFF] {
                     let mut damaged = file.clone();
@@ -374,12 +354,50 @@ mod tests {
     }
 
     #[test]
-    fn jpeg_and_webp_are_read() {
-        for format in [ImageFormat::Jpeg, ImageFormat::WebP] {
+    fn pictures_of_other_formats_are_read() {
+        let expected: Vec<[u8; 4]> = rgba(&samples(), 3, u8::MAX);
+        for format in OTHERS {
             let pixels = decode(&encoded(format), "photo", &Limits::default()).unwrap();
             assert_eq!((pixels.width, pixels.height), (16, 8));
-            assert!(matches!(pixels.texels, Texels::Srgb8(texels) if texels.len() == 128));
+            let Texels::Srgb8(texels) = pixels.texels else { panic!("{format:?}") };
+            match format {
+                ImageFormat::Jpeg => assert_eq!(texels.len(), 128),
+                _ => assert_eq!(texels, expected, "{format:?}"),
+            }
         }
+    }
+
+    /// TIFF is what programs write that know more than eight bits.
+    #[test]
+    fn deep_tiffs_are_linear_after_decoding() {
+        let tiff = |bytes: &[u8], color| {
+            let mut file = Cursor::new(Vec::new());
+            let format = ImageFormat::Tiff;
+            image::write_buffer_with_format(&mut file, bytes, 1, 1, color, format).unwrap();
+            load(&file.into_inner()).map(|image| image.pixels()[0])
+        };
+        let sixteen = tiff(&0x8000_u16.to_ne_bytes(), ExtendedColorType::L16).unwrap();
+        let expected = crate::color::srgb_decode(32_768.0 / 65_535.0);
+        assert_eq!(sixteen, [expected, expected, expected, 1.0]);
+        let floats = |values: [f32; 3]| values.map(f32::to_ne_bytes).concat();
+        let sky = tiff(&floats([0.5, 1.0, 70.0]), ExtendedColorType::Rgb32F).unwrap();
+        assert_eq!(sky, [0.5, 1.0, 70.0, 1.0]);
+        let error = tiff(&floats([0.5, f32::NAN, 1.0]), ExtendedColorType::Rgb32F).unwrap_err();
+        assert!(error.to_string().contains("not a finite number"), "{error}");
+    }
+
+    /// TGA has no mark of its own: its header must not be found in texts and in other files.
+    #[test]
+    fn what_is_no_tga_is_not_taken_for_one() {
+        let tga = encoded(ImageFormat::Tga);
+        assert!(decoders::is_tga(&tga));
+        assert!(!decoders::is_tga(&tga[..17]));
+        for (at, value) in [(1, 2), (2, 4), (12, 0), (16, 7)] {
+            let mut other = tga.clone();
+            other[at] = value;
+            assert!(!decoders::is_tga(&other), "{at}");
+        }
+        assert!(!decoders::is_tga(b"<html><body>404 Not Found</body></html>"));
     }
 
     #[test]
@@ -406,7 +424,7 @@ mod tests {
             let error = complaint(&saved(&noise(), format), &small);
             assert!(error.contains("the limit is 100 bytes"), "{format:?}: {error}");
         }
-        for format in [ImageFormat::Jpeg, ImageFormat::WebP] {
+        for format in OTHERS {
             let error = complaint(&encoded(format), &small);
             assert!(error.contains("the limit is 100 bytes"), "{format:?}: {error}");
         }
@@ -437,7 +455,7 @@ mod tests {
         assert!(complaint(b"", &Limits::default()).contains("empty"));
         let error = complaint(b"<svg></svg>", &Limits::default());
         assert!(error.contains("not a picture in a known format"), "{error}");
-        assert!(error.contains("help: PNG, JPEG, WebP"), "{error}");
+        assert!(error.contains("help: PNG, JPEG, WebP, KTX2, TGA, BMP, TIFF, GIF,"), "{error}");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use super::pixels::{Input, rgba, unreadable};
 use super::save::{BitDepth, Develop, Metadata};
 use crate::Image;
-use crate::color::{srgb_code8, srgb_code16, srgb_dithered8, srgb_linear16};
+use crate::color::{srgb_code8, srgb_code16, srgb_dithered8};
 use crate::diagnostic::Result;
 use crate::scene::description::Pixels;
 use png::{
@@ -24,7 +24,7 @@ pub(super) fn decode(input: &Input) -> Result<Pixels> {
     let info = decoder.read_header_info().map_err(|e| unreadable(input, &e))?;
     let (width, height) = info.size();
     let deep = info.bit_depth == PngDepth::Sixteen;
-    let count = input.room_for(width.into(), height.into(), if deep { 16 } else { 4 })?;
+    let count = input.room_for(width.into(), height.into(), if deep { 8 } else { 4 })?;
     input.at_least(info.bits_per_pixel() as u64 * count as u64 / 8 / DEFLATE_RATIO)?;
     let mut reader = decoder.read_info().map_err(|e| unreadable(input, &e))?;
     let palette = reader.info().palette.as_deref().unwrap_or_default();
@@ -36,19 +36,15 @@ pub(super) fn decode(input: &Input) -> Result<Pixels> {
     let mut data = vec![0; count * channels * if deep { 2 } else { 1 }];
     reader.next_frame(&mut data).map_err(|e| unreadable(input, &e))?;
     if deep {
-        return input.linear(width, height, linear_texels(&data, channels));
+        return Ok(input.deep(width, height, deep_texels(&data, channels)));
     }
     Ok(input.srgb(width, height, rgba(&data, channels, u8::MAX)))
 }
 
-fn linear_texels(data: &[u8], channels: usize) -> Vec<[f32; 4]> {
+fn deep_texels(data: &[u8], channels: usize) -> Vec<[u16; 4]> {
     let samples: Vec<u16> =
         data.as_chunks().0.iter().map(|&bytes| u16::from_be_bytes(bytes)).collect();
-    let linear = |[r, g, b, a]: [u16; 4]| {
-        let alpha = f32::from(a) / f32::from(u16::MAX);
-        [srgb_linear16(r), srgb_linear16(g), srgb_linear16(b), alpha]
-    };
-    rgba(&samples, channels, u16::MAX).into_iter().map(linear).collect()
+    rgba(&samples, channels, u16::MAX)
 }
 
 /// A developed, sRGB-encoded PNG; it has an alpha channel if any pixel is not opaque.

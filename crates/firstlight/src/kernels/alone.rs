@@ -1,7 +1,7 @@
-//! Closest hit and any hit of rays that have nothing in common but the tree: one after the other.
+//! Closest hit and any hit of the few rays of a group that have come far into the tree: one after the other.
 
 use super::group::Group;
-use super::layout::{Child, Tree};
+use super::layout::{Child, EntryPlanes, Tree};
 use super::traverse::{FLATTENED, HitFilter, Others, Search, Stack};
 use crate::geometry::{Hit, Ray};
 use crate::simd::{LANES, Simd};
@@ -18,14 +18,14 @@ pub(super) struct Walk<'a, O> {
 }
 
 impl<O: Others> Walk<'_, O> {
-    /// Brings rays of group `g` to what is below `start`. Returns which hits were replaced.
+    /// Brings rays of group `g`, which enter boxes through the planes of `entry`, to what is below `start`. Returns which hits were replaced.
     #[inline(always)]
     pub(super) fn alone<S: Simd, const ANY: bool>(
         &mut self,
         simd: S,
         (g, group): (usize, &mut Group),
         mut lanes: u32,
-        start: Child,
+        (start, entry): (Child, &'static EntryPlanes),
         stack: &mut Stack,
     ) -> u32 {
         let mut changed = 0;
@@ -34,7 +34,7 @@ impl<O: Others> Walk<'_, O> {
             lanes &= lanes - 1;
             let (ray, hit) = (&self.rays[LANES * g + lane], &mut self.hits[LANES * g + lane]);
             let search = Search { simd, ray, filter: self.filter, flags: self.flags };
-            let prepared = (group.slabs_of(simd, lane), group.shear_of(simd, lane));
+            let prepared = (group.slabs_of(simd, lane, entry), group.shear_of(simd, lane));
             let start = (self.tree, start);
             if search.walk_from::<O, ANY>(start, ray, prepared, FLATTENED, self.others, hit, stack)
             {

@@ -3,6 +3,7 @@
 use super::alone::Walk;
 use super::beams::GROUPS;
 use super::layout::Tree;
+use super::stream::Strays;
 use super::tile::Tile;
 use super::traverse::{HitFilter, Others};
 use crate::geometry::{Hit, Ray};
@@ -40,10 +41,12 @@ impl<O: Others, const ANY: bool> Kernel for Batch<'_, O, ANY> {
         const RAYS: usize = GROUPS * LANES;
         let Self { tree, others, filter, rays, hits, known } = self;
         let flags = filter.flags();
-        let mut tile = Tile::new(simd);
-        for (rays, hits) in rays.chunks(RAYS).zip(hits.chunks_mut(RAYS)) {
+        let (mut tile, mut strays) = (Tile::new(simd), Strays::default());
+        for (i, (rays, hits)) in rays.chunks(RAYS).zip(hits.chunks_mut(RAYS)).enumerate() {
             let walk = Walk { tree, others, filter, flags, rays, hits };
-            tile.answer::<O, ANY>(walk, known);
+            tile.answer::<O, ANY>(walk, known, (RAYS * i, &mut strays));
         }
+        let walk = Walk { tree, others, filter, flags, rays, hits };
+        strays.answer::<S, O, ANY>(simd, walk);
     }
 }

@@ -76,7 +76,7 @@ impl Group {
 
     /// Takes up eight rays that are to go through a tree with coordinates up to `reach`.
     #[inline(always)]
-    pub(super) fn load<S: Simd>(&mut self, simd: S, reach: f32, rays: &[Ray; LANES]) {
+    pub(super) fn load<S: Simd>(&mut self, simd: S, reach: f32, rays: [&Ray; LANES]) {
         let mut rows = [simd.splat(0.0); LANES];
         for (row, ray) in rows.iter_mut().zip(rays) {
             let (o, d) = (ray.origin, ray.direction);
@@ -94,15 +94,9 @@ impl Group {
     /// Takes up fewer rays than eight; the lanes left over have their answer.
     #[inline(always)]
     pub(super) fn load_some<S: Simd>(&mut self, simd: S, reach: f32, rays: &[Ray]) {
-        let padded = std::array::from_fn(|lane| rays[lane.min(rays.len() - 1)]);
-        self.load(simd, reach, &padded);
+        let padded = std::array::from_fn(|lane| &rays[lane.min(rays.len() - 1)]);
+        self.load(simd, reach, padded);
         self.t.0[rays.len()..].fill(f32::NEG_INFINITY);
-    }
-
-    /// Which rays have no answer yet.
-    #[inline(always)]
-    pub(super) fn looking<S: Simd>(&self, simd: S) -> u32 {
-        simd.splat(f32::NEG_INFINITY).lt(simd.load(&self.t.0)).bits()
     }
 
     /// Leaves out rays that have their answer, and looks no further than known hits.
@@ -195,15 +189,19 @@ impl Group {
         }
     }
 
-    /// One of its rays, prepared for boxes.
+    /// One of its rays, prepared for boxes; it enters them through the planes of `entry`.
     #[inline(always)]
-    pub(super) fn slabs_of<S: Simd>(&self, simd: S, lane: usize) -> Slabs<S> {
-        let [x, y, z] = self.signs.map(|signs| signs >> lane & 1);
+    pub(super) fn slabs_of<S: Simd>(
+        &self,
+        simd: S,
+        lane: usize,
+        entry: &'static EntryPlanes,
+    ) -> Slabs<S> {
         Slabs {
             scale: splat(simd, &self.scale, lane),
             near: splat(simd, &self.near, lane),
             far: splat(simd, &self.far, lane),
-            entry: EntryPlanes::of(x | y << 1 | z << 2),
+            entry,
             t_min: simd.splat(self.t_min.0[lane]),
             simd,
         }

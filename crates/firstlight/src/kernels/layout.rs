@@ -68,8 +68,8 @@ impl EntryPlanes {
 pub(crate) struct Node {
     /// Smallest x, y, z, then largest x, y, z of each child.
     pub planes: [[f32; LANES]; 6],
-    /// What is in each box.
-    pub children: [Child; LANES],
+    /// What is in each box: the bits of a [`Child`].
+    children: [u32; LANES],
 }
 
 /// Reference to a node, a block of triangles or another surface: two bits of kind, thirty of index.
@@ -118,13 +118,25 @@ impl Child {
         Self(bits)
     }
 
+    /// Whether it is a node: kind 0.
+    #[inline(always)]
+    pub(super) fn is_node(self) -> bool {
+        self.0 >> Self::INDEX_BITS == 0
+    }
+
+    /// The number of what it refers to.
+    #[inline(always)]
+    pub(super) fn index(self) -> usize {
+        (self.0 & ((1 << Self::INDEX_BITS) - 1)) as usize
+    }
+
     #[inline(always)]
     pub(super) fn target(self) -> Target {
-        let index = self.0 & ((1 << Self::INDEX_BITS) - 1);
+        let index = self.index();
         match self.0 >> Self::INDEX_BITS {
-            0 => Target::Node(index as usize),
-            1 => Target::Block(index as usize),
-            2 => Target::Other(index),
+            0 => Target::Node(index),
+            1 => Target::Block(index),
+            2 => Target::Other(index as u32),
             _ => Target::Nothing,
         }
     }
@@ -134,7 +146,7 @@ impl Node {
     /// Eight boxes that nothing hits.
     pub(crate) fn empty() -> Self {
         let (lo, hi) = ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
-        Self { planes: [lo, lo, lo, hi, hi, hi], children: [Child::NOTHING; LANES] }
+        Self { planes: [lo, lo, lo, hi, hi, hi], children: [Child::NOTHING.0; LANES] }
     }
 
     /// One plane of each child.
@@ -149,7 +161,19 @@ impl Node {
             self.planes[axis][slot] = bounds.lo[axis];
             self.planes[axis + 3][slot] = bounds.hi[axis];
         }
-        self.children[slot] = child;
+        self.children[slot] = child.0;
+    }
+
+    /// What is in one box.
+    #[inline(always)]
+    pub(super) fn child(&self, slot: usize) -> Child {
+        Child(self.children[slot])
+    }
+
+    /// What is in all boxes: the bits of each [`Child`].
+    #[inline(always)]
+    pub(super) fn children(&self) -> &[u32; LANES] {
+        &self.children
     }
 }
 
@@ -327,6 +351,13 @@ impl Tree {
         }
     }
 
+    /// Where nodes and blocks lie.
+    #[inline(always)]
+    pub(super) fn places(&self) -> Places {
+        let root = self.nodes.as_ptr().cast();
+        Places([root, self.blocks.as_ptr().cast(), root, root])
+    }
+
     /// What the triangle in `lane` of a block is.
     #[inline(always)]
     pub(super) fn word(&self, block: &TriangleBlock, lane: usize) -> Word {
@@ -336,5 +367,21 @@ impl Tree {
     /// Bytes it takes.
     pub(crate) fn memory(&self) -> usize {
         size_of_val(&*self.nodes) + size_of_val(&*self.blocks) + size_of_val(&*self.words)
+    }
+}
+
+/// Where things lie in memory, by the kind of a [`Child`].
+#[derive(Clone, Copy)]
+pub(super) struct Places([*const u8; 4]);
+
+impl Places {
+    /// Asks for what `child` refers to, without asking what it is: nobody could foresee the answer.
+    #[inline(always)]
+    pub(super) fn prefetch<S: Simd>(&self, simd: S, child: Child) {
+        const NODE_BITS: u32 = size_of::<Node>().ilog2();
+        let kind = child.0 >> Child::INDEX_BITS;
+        // A block is half as large as a node.
+        let offset = child.index() << (NODE_BITS - kind);
+        simd.prefetch(self.0[kind as usize % 4].wrapping_add(offset).cast::<Node>());
     }
 }

@@ -5,6 +5,8 @@ mod batch;
 mod beams;
 mod group;
 mod layout;
+mod order;
+mod stream;
 mod tile;
 mod traverse;
 mod triangles;
@@ -13,4 +15,5 @@ pub(crate) use batch::search;
 pub(crate) use layout::{
     Child, Node, ONE_SIDED, PARTLY_THERE, Tree, TriangleBlock, Vertices, Word,
 };
+pub(crate) use order::slots_for;
 pub(crate) use traverse::{FLATTENED, HitFilter, Others, Search, Stack};

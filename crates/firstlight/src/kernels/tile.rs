@@ -13,10 +13,11 @@
 use super::alone::Walk;
 use super::beams::{Beams, GROUPS, PerGroup, WHOLE, extremes};
 use super::group::{Group, Row, load, row};
-use super::layout::{Child, EntryPlanes, Node, Target, Tree, TriangleBlock};
+use super::layout::{EntryPlanes, Node, Target, Tree, TriangleBlock};
+use super::stream::{Strays, octant};
 use super::traverse::{FLATTENED, Others, PAD, Search, Stack};
 use super::triangles::{accept, cross, plane_distances};
-use crate::geometry::Hit;
+use crate::geometry::{Hit, Ray};
 use crate::simd::{LANES, Lanes, Mask, Simd};
 use std::ops::Range;
 
@@ -39,6 +40,8 @@ struct Entry {
 pub(super) struct Tile<S: Simd> {
     simd: S,
     groups: [Group; GROUPS],
+    /// The signs of each group's directions as bits, if it goes together.
+    octants: [Option<u32>; GROUPS],
     beams: Beams,
     entry: &'static EntryPlanes,
     stack: [Entry; STACK],
@@ -56,6 +59,7 @@ impl<S: Simd> Tile<S> {
         Self {
             simd,
             groups: [Group::EMPTY; GROUPS],
+            octants: [None; GROUPS],
             beams: Beams::NONE,
             entry: EntryPlanes::of(0),
             stack: [Entry { near: 0.0, node: 0, slot: 0, groups: 0 }; STACK],
@@ -65,46 +69,62 @@ impl<S: Simd> Tile<S> {
         }
     }
 
-    /// Answers the rays of `walk`, at most 64. `known`: hits hold more than the ends of ranges.
+    /// Answers the rays of `walk`, at most 64, but for those that do not go together, which are added to `strays`: they
+    /// count from `base`. `known`: hits hold more than the ends of ranges.
     #[inline(always)]
-    pub(super) fn answer<O: Others, const ANY: bool>(&mut self, mut walk: Walk<O>, known: bool) {
-        self.load::<O, ANY>(&walk, known);
-        let (mut first, count) = (0, walk.rays.len().div_ceil(LANES));
+    pub(super) fn answer<O: Others, const ANY: bool>(
+        &mut self,
+        mut walk: Walk<O>,
+        known: bool,
+        (base, strays): (usize, &mut Strays),
+    ) {
+        let count = walk.rays.len().div_ceil(LANES);
+        for g in 0..count {
+            let lanes = LANES * g..walk.rays.len().min(LANES * (g + 1));
+            let (rays, hits) = (&walk.rays[lanes.clone()], &walk.hits[lanes]);
+            self.octants[g % GROUPS] = self.load::<ANY>(g, walk.tree.reach, (rays, hits, known));
+            if self.octants[g % GROUPS].is_none() {
+                strays.add::<ANY>(base + LANES * g, (rays, hits, known));
+            }
+        }
+        let mut first = 0;
         while first < count {
             let end = self.together_from(first, count);
             if end > first {
                 self.walk::<O, ANY>(first..end, &mut walk);
-            } else {
-                let group = &mut self.groups[first % GROUPS];
-                let looking = group.looking(self.simd);
-                let (simd, start, stack) = (self.simd, Child::node(0), &mut self.single);
-                walk.alone::<S, ANY>(simd, (first, group), looking, start, stack);
             }
             first = end.max(first + 1);
         }
     }
 
-    /// Takes up the rays.
+    /// Takes up the rays of a group, if they go together; the signs of their directions as bits.
     #[inline(always)]
-    fn load<O, const ANY: bool>(&mut self, walk: &Walk<O>, known: bool) {
-        let chunks = walk.rays.chunks(LANES).zip(walk.hits.chunks(LANES));
-        for (group, (rays, hits)) in self.groups.iter_mut().zip(chunks) {
-            match rays.first_chunk() {
-                Some(rays) => group.load(self.simd, walk.tree.reach, rays),
-                None => group.load_some(self.simd, walk.tree.reach, rays),
-            }
-            if known {
-                group.know::<ANY>(hits);
-            }
+    fn load<const ANY: bool>(
+        &mut self,
+        g: usize,
+        reach: f32,
+        (rays, hits, known): (&[Ray], &[Hit], bool),
+    ) -> Option<u32> {
+        if rays.iter().any(|ray| octant(ray) != octant(&rays[0])) {
+            return None;
         }
+        let group = &mut self.groups[g % GROUPS];
+        match rays.first_chunk() {
+            Some(rays) => group.load(self.simd, reach, rays.each_ref()),
+            None => group.load_some(self.simd, reach, rays),
+        }
+        if known {
+            group.know::<ANY>(hits);
+        }
+        group.octant()
     }
 
     /// The end of the groups from number `first` on that can go together; `first` if not even its rays can.
     #[inline(always)]
     fn together_from(&self, first: usize, count: usize) -> usize {
-        let octant = self.groups[first % GROUPS].octant();
+        let octant = self.octants[first % GROUPS];
         let mut end = first;
-        while octant.is_some() && end < count && self.groups[end % GROUPS].octant() == octant {
+        while octant.is_some() && end < count && self.octants[end % GROUPS] == octant {
             end += 1;
         }
         end
@@ -129,7 +149,7 @@ impl<S: Simd> Tile<S> {
             let slot = usize::from(entry.slot) % LANES;
             let groups =
                 if self.wasted > TOO_WIDE { self.that_meet(groups, node, slot) } else { groups };
-            match node.children[slot].target() {
+            match node.child(slot).target() {
                 Target::Node(index) if groups & groups.wrapping_sub(1) != 0 => {
                     self.enter::<ANY>(walk.tree, index, groups);
                 }
@@ -168,7 +188,7 @@ impl<S: Simd> Tile<S> {
             if lanes == 0 {
                 continue;
             }
-            let child = node.children[slot];
+            let child = node.child(slot);
             let changed = match child.target() {
                 Target::Nothing => false,
                 Target::Node(index) if lanes.count_ones() >= FEW => {
@@ -181,7 +201,8 @@ impl<S: Simd> Tile<S> {
                 }
                 Target::Node(_) => {
                     let group = (g, &mut self.groups[g]);
-                    walk.alone::<S, ANY>(self.simd, group, lanes, child, &mut self.single) != 0
+                    let start = (child, self.entry);
+                    walk.alone::<S, ANY>(self.simd, group, lanes, start, &mut self.single) != 0
                 }
                 Target::Other(surface) => {
                     let group = (g, &mut self.groups[g]);
@@ -326,7 +347,7 @@ impl<S: Simd> Tile<S> {
     /// Prepares the intervals of `range` groups.
     #[inline(always)]
     fn aim<const ANY: bool>(&mut self, range: &Range<usize>, reach: f32) {
-        let octant = self.groups[range.start % GROUPS].octant().unwrap_or(0);
+        let octant = self.octants[range.start % GROUPS].unwrap_or(0);
         self.entry = EntryPlanes::of(octant);
         let ends = if ANY { self.converging(range) } else { None };
         self.beams.entry = if ends.is_some() { EntryPlanes::of(!octant) } else { self.entry };

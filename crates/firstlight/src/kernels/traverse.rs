@@ -234,16 +234,26 @@ impl<S: Simd> Slabs<S> {
         Self { scale, near, far, entry, t_min: simd.splat(ray.t_min), simd }
     }
 
-    /// Where the ray enters the slabs of one axis.
+    /// Which of a node's boxes the ray, which enters them through the planes of `entry`, meets before `t`, and where
+    /// it enters each.
     #[inline(always)]
-    fn near(&self, node: &Node, axis: usize) -> S::F {
-        self.simd.load(node.row(self.entry.near[axis])).mul_add(self.scale[axis], self.near[axis])
-    }
-
-    /// Where the ray leaves the slabs of one axis.
-    #[inline(always)]
-    fn far(&self, node: &Node, axis: usize) -> S::F {
-        self.simd.load(node.row(self.entry.far[axis])).mul_add(self.scale[axis], self.far[axis])
+    pub(super) fn meet(&self, entry: &EntryPlanes, node: &Node, t: f32) -> (u32, S::F) {
+        let Self { scale: [sx, sy, sz], near, far, t_min, simd, .. } = self;
+        let [x, y, z] = entry.near;
+        let [x, y, z] = [
+            simd.load(node.row(x)).mul_add(*sx, near[0]),
+            simd.load(node.row(y)).mul_add(*sy, near[1]),
+            simd.load(node.row(z)).mul_add(*sz, near[2]),
+        ];
+        let enter = x.max(y).max(z.max(*t_min));
+        let [x, y, z] = entry.far;
+        let [x, y, z] = [
+            simd.load(node.row(x)).mul_add(*sx, far[0]),
+            simd.load(node.row(y)).mul_add(*sy, far[1]),
+            simd.load(node.row(z)).mul_add(*sz, far[2]),
+        ];
+        let leave = x.min(y).min(z.min(simd.splat(t)));
+        (enter.le(leave).bits(), enter)
     }
 
     /// The nearest child of `node` that the ray meets before `t`; the others wait on the stack. If there is none, what
@@ -257,24 +267,20 @@ impl<S: Simd> Slabs<S> {
         stack: &mut Stack,
         base: usize,
     ) -> Option<Child> {
-        let enter =
-            self.near(node, 0).max(self.near(node, 1)).max(self.near(node, 2).max(self.t_min));
-        let end = self.simd.splat(t);
-        let leave = self.far(node, 0).min(self.far(node, 1)).min(self.far(node, 2).min(end));
-        let mut met = enter.le(leave).bits();
+        let (mut met, enter) = self.meet(self.entry, node, t);
         if met == 0 {
             return stack.pop(base, t);
         }
         let slot = met.trailing_zeros() as usize % LANES;
         met &= met - 1;
         if met == 0 {
-            return Some(node.children[slot]);
+            return Some(node.child(slot));
         }
         let enter = enter.to_array();
-        let first = Waiting::new(node.children[slot], enter[slot]);
+        let first = Waiting::new(node.child(slot), enter[slot]);
         let slot = met.trailing_zeros() as usize % LANES;
         met &= met - 1;
-        let second = Waiting::new(node.children[slot], enter[slot]);
+        let second = Waiting::new(node.child(slot), enter[slot]);
         tree.prefetch(self.simd, second.child());
         let (first, second) =
             if ANY { (second, first) } else { (first.min(second), first.max(second)) };
@@ -288,7 +294,7 @@ impl<S: Simd> Slabs<S> {
         while met != 0 {
             let slot = met.trailing_zeros() as usize % LANES;
             met &= met - 1;
-            let waiting = Waiting::new(node.children[slot], enter[slot]);
+            let waiting = Waiting::new(node.child(slot), enter[slot]);
             tree.prefetch(self.simd, waiting.child());
             if ANY {
                 stack.push(waiting);

@@ -23,14 +23,16 @@ pub(super) struct Shear<S: Simd> {
     pub origin: [S::F; 3],
 }
 
-/// The order of the axes for a ray whose largest is number `z`.
+/// The order of the axes for a ray whose largest is number `z`: from a table, as nobody could foresee a branch.
 #[inline(always)]
 pub(super) fn axes(z: usize) -> [Axis; 3] {
-    match z {
-        0 => [Axis::Y, Axis::Z, Axis::X],
-        1 => [Axis::Z, Axis::X, Axis::Y],
-        _ => [Axis::X, Axis::Y, Axis::Z],
-    }
+    const ORDERS: [[Axis; 3]; 4] = [
+        [Axis::Y, Axis::Z, Axis::X],
+        [Axis::Z, Axis::X, Axis::Y],
+        [Axis::X, Axis::Y, Axis::Z],
+        [Axis::X, Axis::Y, Axis::Z],
+    ];
+    ORDERS[z % 4]
 }
 
 impl<S: Simd> Shear<S> {

@@ -146,7 +146,7 @@ pub(crate) fn sources(scene: &Scene) -> Vec<Source> {
     // What emits may be seen even where it is no light to be asked, such as the side of a cone.
     let emits = |surface: &u32| {
         let material = scene.material_of[*surface as usize] as usize;
-        scene.materials[material].emission.factor[..3].iter().any(|channel| *channel > 0.0)
+        scene.materials[material].emits()
     };
     let surfaces = (0..scene.material_of.len() as u32).filter(emits).map(Source::Surface);
     let sky = scene.environment.is_some()

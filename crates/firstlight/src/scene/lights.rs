@@ -29,18 +29,13 @@ pub(super) fn area_lights(
     for (part, &material) in world.parts().iter().zip(material_of) {
         let material = &materials[material as usize];
         let (shapes, error) = match part {
-            _ if !emits(material) => (Vec::new(), 0.0),
+            _ if !material.is_light() => (Vec::new(), 0.0),
             Part::Analytic(shape, _) => (shapes(shape), shape.error()),
             Part::Mesh(part) => (triangles(part), part.error()),
         };
         lights.push(shapes, material.double_sided && material.emits_behind, error);
     }
     lights
-}
-
-fn emits(material: &Material) -> bool {
-    let [r, g, b, _] = material.emission.factor;
-    r.max(g).max(b) > 0.0
 }
 
 /// Triangles in the world, their fronts where the file has them.
@@ -59,7 +54,7 @@ fn triangles(part: &MeshPart) -> Vec<Option<LightShape>> {
 
 /// Radiance that a material emits on average over its picture, and over the channels, W·sr⁻¹·m⁻².
 pub(super) fn mean_emission(material: &Material, images: &[Arc<Pixels>]) -> f32 {
-    if !emits(material) {
+    if !material.is_light() {
         return 0.0;
     }
     let Texture { factor, pattern, .. } = &material.emission;
@@ -174,7 +169,8 @@ impl SceneDescription {
         let plain = |surface: &Surface| {
             let material = &self.materials[surface.material];
             let cloudy = material.is_cloudy() || material.passes_light() && !material.is_pane();
-            !matches!(material.scattering, Scattering::Mirror { .. }) && !emits(material) && !cloudy
+            let mirrors = matches!(material.scattering, Scattering::Mirror { .. });
+            !mirrors && !material.is_light() && !cloudy
         };
         let somewhere = self.lights.iter().filter(|light| light.light.position().is_some());
         somewhere.count() <= MOST_SUMMED
@@ -210,7 +206,8 @@ impl Scene {
         surface: &SurfaceInteraction,
         outgoing: Vec3,
     ) -> Rgb {
-        if !emits(material) || !(surface.front || material.double_sided && material.emits_behind) {
+        let sides = surface.front || material.double_sided && material.emits_behind;
+        if !material.emits() || !sides {
             return Rgb::ZERO;
         }
         self.through_coat(material, surface, outgoing)

@@ -265,14 +265,19 @@ impl Maker<'_> {
                     }
                     None => Fresnel::Schlick { normal: color, grazing: 1.0 },
                 };
+                layers.multiple_scattering = facets.multiple_scattering;
                 layers.facets(fresnel, self.alpha(facets));
             }
             Scattering::Dielectric { facets } => {
                 let eta = self.boundary.map_or(1.0, |boundary| boundary.eta);
+                layers.multiple_scattering = facets.multiple_scattering;
                 layers.glass(eta, self.alpha(facets), color(), None);
             }
             Scattering::ThinGlass { index } => layers.window(*index, color()),
-            Scattering::Principled(p) => principled(layers, &self.principled(p, color())),
+            Scattering::Principled(p) => {
+                layers.multiple_scattering = p.facets.multiple_scattering;
+                principled(layers, &self.principled(p, color()));
+            }
             Scattering::Mix { materials, amount } => {
                 let (left, amount) = (layers.left, self.number(amount));
                 for (part, share) in materials.iter().zip([1.0 - amount, amount]) {

@@ -94,14 +94,20 @@ impl Reader<'_> {
             self.number("opacity", opacity);
         }
         self.interior(material.interior.as_ref());
-        if material.emission.factor[..3] != [0.0; 3] {
+        if material.emits() {
             self.color("emission", &material.emission);
+        }
+        if material.unlit {
+            self.values.push(("unlit", vec![1.0]));
         }
     }
 
     fn facets(&mut self, facets: &Facets) {
         self.number("roughness", &facets.roughness);
         self.addition("anisotropy", &facets.anisotropy);
+        if !facets.multiple_scattering {
+            self.values.push(("multiple_scattering", vec![0.0]));
+        }
     }
 
     fn principled(&mut self, p: &Principled) {

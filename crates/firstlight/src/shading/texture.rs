@@ -4,6 +4,7 @@ mod picture;
 
 pub(crate) use picture::Picture;
 
+use crate::color::srgb_linear16;
 use crate::math::hash;
 use crate::scene::description::{Pattern, Pixels, Sampling, Texels, Texture, Wrap};
 use glam::{Vec2, Vec4};
@@ -173,7 +174,18 @@ pub(crate) fn texel(pixels: &Pixels, index: usize, role: Role) -> Vec4 {
             let [r, g, b, a] = texels[index].map(usize::from);
             Vec4::new(DECODED[r], DECODED[g], DECODED[b], a as f32 / 255.0)
         }
+        Texels::Srgb16(texels) => deep_texel(texels[index], role),
         Texels::Linear(texels) => Vec4::from_array(texels[index]),
+    }
+}
+
+#[inline(never)]
+fn deep_texel(codes: [u16; 4], role: Role) -> Vec4 {
+    let plain = Vec4::from_array(codes.map(f32::from)) / f32::from(u16::MAX);
+    let [r, g, b, _] = codes;
+    match role {
+        Role::Data => plain,
+        Role::Color => Vec4::new(srgb_linear16(r), srgb_linear16(g), srgb_linear16(b), plain.w),
     }
 }
 
@@ -225,6 +237,20 @@ mod tests {
         assert_eq!(at(0.1, 0.9, Sampling::Nearest), Vec4::new(1.0, 0.0, 0.0, 1.0));
         assert_eq!(at(0.9, 0.1, Sampling::Nearest), Vec4::new(0.0, 1.0, 0.0, 1.0));
         assert_eq!(at(0.5, 0.5, Sampling::Bilinear), Vec4::new(0.25, 0.25, 0.0, 0.5));
+    }
+
+    /// Numbers are as they are written, whatever depth they have; colours are decoded.
+    #[test]
+    fn codes_are_decoded_for_colours_alone() {
+        let pixels = |texels| Pixels { name: String::new(), width: 1, height: 1, texels };
+        let shallow = pixels(Texels::Srgb8(vec![[51, 102, 255, 204]]));
+        let deep = pixels(Texels::Srgb16(vec![[13_107, 26_214, 65_535, 52_428]]));
+        let plain = Vec4::new(0.2, 0.4, 1.0, 0.8);
+        let decoded = Vec4::new(0.033_104_77, 0.132_868_32, 1.0, 0.8);
+        for pixels in [shallow, deep] {
+            assert!(texel(&pixels, 0, Role::Data).abs_diff_eq(plain, 1e-6), "{:?}", pixels.texels);
+            assert!(texel(&pixels, 0, Role::Color).abs_diff_eq(decoded, 1e-6));
+        }
     }
 
     #[test]

@@ -21,6 +21,9 @@ pub(crate) const LANES: usize = 8;
 
 /// A level's instructions. Holding a value proves that the processor has them.
 pub(crate) trait Simd: Copy {
+    /// Whether lanes are permuted by one instruction.
+    const PERMUTES: bool;
+
     /// Eight floats.
     type F: Lanes<D = Self::D, Mask = Self::M>;
     /// Eight truth values.
@@ -40,8 +43,11 @@ pub(crate) trait Simd: Copy {
     /// Bit `i` as lane `i`.
     fn mask(self, bits: u32) -> Self::M;
 
-    /// Asks for the cache lines of `x`, which is needed soon.
-    fn prefetch<T>(self, x: &T);
+    /// Asks for the cache lines of what is needed soon. The address need not be one of anything.
+    fn prefetch<T>(self, x: *const T);
+
+    /// Word `i` becomes word `indices[i]`, all below eight.
+    fn permute_words(self, words: &[u32; LANES], indices: &[u8; LANES]) -> [u32; LANES];
 
     /// Rows become columns.
     fn transpose(self, rows: [Self::F; LANES]) -> [Self::F; LANES];
@@ -113,7 +119,7 @@ mod tests {
     const PLACES: [u8; LANES] = [7, 0, 3, 3, 1, 6, 2, 5];
 
     impl Kernel for Everything {
-        type Output = ([[f32; LANES]; 12], [u32; 6], [f32; 2], [[f32; LANES]; LANES]);
+        type Output = ([[f32; LANES]; 12], [u32; 6], [f32; 2], [[f32; LANES]; LANES], [u32; LANES]);
 
         #[inline(always)]
         fn run<S: Simd>(self, simd: S) -> Self::Output {
@@ -142,6 +148,7 @@ mod tests {
                 [le.bits(), ne.bits(), (le & ne).bits(), (le | ne).bits(), lt.bits(), a.signs()],
                 [a.smallest(), a.largest()],
                 simd.transpose([a, b, a + b, a - b, a, b, b, a]).map(Lanes::to_array),
+                simd.permute_words(&self.0.map(f32::to_bits), &PLACES),
             )
         }
     }
@@ -151,7 +158,7 @@ mod tests {
         let a = [1.0, -2.5, 3.25e7, 0.1, 0.0, -1e-20, 7.0, 1e30];
         let b = [3.0, -2.5, 1.5e-3, 0.3, 2.0, 1e20, -7.0, 1e-9];
         for level in Level::all() {
-            let (numbers, masks, ends, columns) = level.run(Everything(a, b));
+            let (numbers, masks, ends, columns, words) = level.run(Everything(a, b));
             for i in 0..LANES {
                 let (x, y) = (a[i], b[i]);
                 let (dx, dy) = (f64::from(x), f64::from(y));
@@ -175,6 +182,7 @@ mod tests {
                 assert_eq!(masks.map(|m| m >> i & 1 == 1), bits, "{level:?} lane {i}");
             }
             assert_eq!(ends, [-2.5, 1e30], "{level:?}");
+            assert_eq!(words, PLACES.map(|i| a[usize::from(i)].to_bits()), "{level:?}");
         }
     }
 }

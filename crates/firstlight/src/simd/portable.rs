@@ -20,6 +20,8 @@ pub(crate) struct DoubleArray([f64; LANES / 2]);
 pub(crate) struct Bits(u32);
 
 impl Simd for Portable {
+    const PERMUTES: bool = false;
+
     type F = Array;
     type M = Bits;
     type D = DoubleArray;
@@ -45,7 +47,12 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn prefetch<T>(self, _: &T) {}
+    fn prefetch<T>(self, _: *const T) {}
+
+    #[inline(always)]
+    fn permute_words(self, words: &[u32; LANES], indices: &[u8; LANES]) -> [u32; LANES] {
+        indices.map(|i| words[usize::from(i) % LANES])
+    }
 
     #[inline(always)]
     fn transpose(self, rows: [Array; LANES]) -> [Array; LANES] {

@@ -31,6 +31,8 @@ impl Avx2 {
 }
 
 impl Simd for Avx2 {
+    const PERMUTES: bool = true;
+
     type F = F32x8;
     type M = Mask8;
     type D = F64x4;
@@ -64,13 +66,26 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn prefetch<T>(self, x: &T) {
+    fn prefetch<T>(self, x: *const T) {
         const LINE: usize = 64;
-        let start = std::ptr::from_ref(x).cast::<i8>();
         for line in 0..size_of::<T>().div_ceil(LINE) {
-            // SAFETY: a prefetch reads nothing that the program sees, and the address stays inside `x`.
-            unsafe { _mm_prefetch::<_MM_HINT_T0>(start.add(LINE * line)) };
+            let address = x.cast::<i8>().wrapping_add(LINE * line);
+            // SAFETY: a prefetch is a hint for any address; it reads nothing that the program sees and cannot fail.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(address) };
         }
+    }
+
+    #[inline(always)]
+    fn permute_words(self, words: &[u32; LANES], indices: &[u8; LANES]) -> [u32; LANES] {
+        let mut permuted = [0; LANES];
+        // SAFETY: `self` proves AVX2; the arrays have the bytes that are read and written, unaligned.
+        unsafe {
+            let indices = _mm256_cvtepu8_epi32(_mm_loadl_epi64(indices.as_ptr().cast()));
+            let words = _mm256_loadu_si256(words.as_ptr().cast());
+            let words = _mm256_permutevar8x32_epi32(words, indices);
+            _mm256_storeu_si256(permuted.as_mut_ptr().cast(), words);
+        }
+        permuted
     }
 
     #[inline(always)]

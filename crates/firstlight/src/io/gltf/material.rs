@@ -131,6 +131,7 @@ impl Reader<'_, '_, '_> {
         Ok(Material {
             reflectance,
             emission,
+            unlit,
             normal: match unlit {
                 true => None,
                 false => self.normal(material.normal_texture.as_deref(), "normalTexture")?,
@@ -409,7 +410,8 @@ impl Reader<'_, '_, '_> {
         let part = format!("{}.{field}.index", self.part);
         let texture = data.at(&data.document.textures, info.index, "texture", &part)?;
         let part = format!("textures[{}]", info.index);
-        let Some(image) = self.pictures.of_texture(data, texture, &part, self.notes)? else {
+        let found = self.pictures.of_texture(data, texture, &part, stands_in(field), self.notes)?;
+        let Some(image) = found else {
             let [.., alpha] = factor;
             let factor = [1.0, 1.0, 1.0, alpha];
             return Ok(Texture { factor, ..Texture::stand_in() });
@@ -440,6 +442,15 @@ impl Reader<'_, '_, '_> {
                 Wrap::Repeat
             }
         })
+    }
+}
+
+/// What is shown where the picture of a field is missing.
+fn stands_in(field: &str) -> &'static str {
+    match field {
+        _ if field.ends_with("ormalTexture") => "no relief is shown",
+        "occlusionTexture" => "no ambient light is kept out",
+        _ => "a checkerboard is shown",
     }
 }
 

@@ -25,7 +25,8 @@ impl Pictures {
         Self { images: Vec::new(), places: vec![None; data.document.images.len()], left }
     }
 
-    /// The picture of a texture, as its place in `images`; `None`, with a note, if it cannot be shown.
+    /// The picture of a texture, as its place in `images`; `None`, with a note that says what is shown `otherwise`, if it
+    /// cannot be shown.
     ///
     /// # Errors
     /// If the texture or its image does not exist.
@@ -34,6 +35,7 @@ impl Pictures {
         data: &Data,
         texture: &Texture,
         part: &str,
+        otherwise: &str,
         notes: &mut Notes,
     ) -> Result<Option<usize>> {
         let extensions = texture.extensions.as_ref();
@@ -42,13 +44,11 @@ impl Pictures {
         // Where there is another, it was compressed less.
         let Some(index) = webp.or(texture.source).or(basisu) else {
             let other = extensions.is_some_and(|e| e.avif.is_some() || e.dds.is_some());
-            let cause = if other {
-                "this picture is only there in a format that cannot be read (AVIF or DDS); \
-                 a checkerboard is shown"
-            } else {
-                "this texture has no picture; a checkerboard is shown"
+            let cause = match other {
+                true => "this picture is only there in a format that cannot be read (AVIF or DDS)",
+                false => "this texture has no picture",
             };
-            notes.add_missing(part, cause, None);
+            notes.add_missing(part, format!("{cause}; {otherwise}"), None);
             return Ok(None);
         };
         let image = data.at(&data.document.images, index, "image", &format!("{part}.source"))?;
@@ -56,24 +56,31 @@ impl Pictures {
         if let Some(place) = known {
             return Ok(place);
         }
-        let place = self.read(data, image, index, notes);
+        let place = self.read(data, image, index, otherwise, notes);
         if let Some(slot) = self.places.get_mut(index as usize) {
             *slot = Some(place);
         }
         Ok(place)
     }
 
-    fn read(&mut self, data: &Data, image: &Image, index: u32, notes: &mut Notes) -> Option<usize> {
+    fn read(
+        &mut self,
+        data: &Data,
+        image: &Image,
+        index: u32,
+        otherwise: &str,
+        notes: &mut Notes,
+    ) -> Option<usize> {
         let part = format!("images[{index}]");
-        match self.decode(data, image, &part) {
+        match self.decode(data, image, &part, notes) {
             Ok(picture) => {
                 self.images.push(Arc::new(picture));
                 Some(self.images.len() - 1)
             }
             Err(cause) => {
                 let message = match shown_name(image) {
-                    Some(name) => format!("{name}: {}; a checkerboard is shown", cause.message),
-                    None => format!("{}; a checkerboard is shown", cause.message),
+                    Some(name) => format!("{name}: {}; {otherwise}", cause.message),
+                    None => format!("{}; {otherwise}", cause.message),
                 };
                 notes.add_missing(part, message, cause.help);
                 None
@@ -81,13 +88,26 @@ impl Pictures {
         }
     }
 
-    fn decode(&mut self, data: &Data, image: &Image, part: &str) -> Result<Pixels> {
+    fn decode(
+        &mut self,
+        data: &Data,
+        image: &Image,
+        part: &str,
+        notes: &mut Notes,
+    ) -> Result<Pixels> {
         let file: Vec<u8>;
         let bytes = match (&image.uri, image.buffer_view) {
             (Some(uri), _) => {
                 file = match Uri::parse(uri).map_err(|cause| data.error(part, cause))? {
                     Uri::Data(bytes) => bytes,
-                    Uri::File(name) => data.access.read(&name)?,
+                    Uri::File(name) => {
+                        let (bytes, meant) = data.access.read_meant(&name)?;
+                        if let Some(meant) = meant {
+                            notes
+                                .add(part, format!("{name} is not there: {meant} is taken for it"));
+                        }
+                        bytes
+                    }
                 };
                 &file
             }
@@ -114,6 +134,7 @@ fn shown_name(image: &Image) -> Option<&str> {
 fn bytes_of(picture: &Pixels) -> u64 {
     match &picture.texels {
         Texels::Srgb8(texels) => 4 * texels.len() as u64,
+        Texels::Srgb16(texels) => 8 * texels.len() as u64,
         Texels::Linear(texels) => 16 * texels.len() as u64,
     }
 }

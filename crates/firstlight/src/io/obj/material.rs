@@ -3,7 +3,7 @@
 use super::mtl::{Library, Map, Mtl};
 use crate::color::Rgb;
 use crate::diagnostic::{Diagnostic, Place};
-use crate::io::pictures::Pictures;
+use crate::io::pictures::{Named, Pictures, Range, SQUARES};
 use crate::io::text::{Tally, counted, did_you_mean, quoted};
 use crate::io::triangles::default_material;
 use crate::io::{FileAccess, Warnings};
@@ -11,6 +11,7 @@ use crate::scene::description::{
     Alpha, BumpAmount, BumpMap, Facets, Interior, Material, NormalMap, Pattern, Principled, Scalar,
     Scattering, SceneDescription, Texture,
 };
+use crate::shading::texture::Role;
 use indexmap::IndexMap;
 use std::f32::consts::TAU;
 
@@ -40,7 +41,7 @@ pub(super) fn add_materials(
         scene.materials.push(material);
     }
     let Maker { pictures, warnings, tallies } = maker;
-    scene.images = pictures.images;
+    scene.images = pictures.finish(warnings);
     tallies.warn(warnings);
     warn_undescribed(used, library, warnings);
 }
@@ -141,7 +142,7 @@ impl Maker<'_> {
     fn relief<'m>(&mut self, mtl: &'m Mtl) -> (Option<&'m Map>, Option<&'m Map>) {
         let (heights, normals) = (mtl.bump_map.as_ref(), mtl.normal_map.as_ref());
         let colored = heights.is_some_and(|map| {
-            let texture = self.texture(Rgb::ONE, 1.0, Some(map));
+            let texture = self.numbers([1.0; 4], map, "no relief is shown");
             self.pictures.is_colored(&texture)
         });
         if colored { (None, normals.or(heights)) } else { (heights, normals) }
@@ -149,14 +150,14 @@ impl Maker<'_> {
 
     /// Heights; MTL does not say in which unit, so a height of 1 is a hundredth of the picture's width.
     fn bump(&mut self, map: &Map) -> Option<BumpMap> {
-        let texture = self.texture(Rgb::ONE, 1.0, Some(map));
+        let texture = self.numbers([1.0; 4], map, "no relief is shown");
         let found = matches!(texture.pattern, Pattern::Image { .. });
-        let height = Scalar { texture, channel: 0, complement: false };
+        let height = Scalar { texture, channel: map.channel.unwrap_or(0), complement: false };
         found.then_some(BumpMap { height, amount: BumpAmount::Relative(0.01 * map.strength) })
     }
 
     fn normal(&mut self, map: &Map) -> Option<NormalMap> {
-        let texture = self.texture(Rgb::ONE, 1.0, Some(map));
+        let texture = self.numbers([1.0; 4], map, "no relief is shown");
         // A stand-in for a missing picture holds colours, not normals.
         let found = matches!(texture.pattern, Pattern::Image { .. });
         found.then_some(NormalMap { texture, scale: map.strength })
@@ -185,38 +186,60 @@ impl Maker<'_> {
     /// A matte ground under gloss, or metal, if the file knows of either.
     fn gloss(&mut self, matte: Material, mtl: &Mtl) -> Material {
         let physical = mtl.metallic.is_some() || mtl.roughness.is_some();
-        let mapped = mtl.metallic_map.is_some() || mtl.roughness_map.is_some();
         let coated = mtl.clearcoat.is_some() || mtl.sheen.is_some() || mtl.anisotropy.is_some();
+        let maps = [
+            &mtl.metallic_map,
+            &mtl.roughness_map,
+            &mtl.clearcoat_map,
+            &mtl.sheen_map,
+            &mtl.anisotropy_map,
+        ];
+        let mapped = maps.into_iter().any(Option::is_some);
         let phong = mtl.specular.filter(|specular| *specular != Rgb::ZERO);
         if !(physical || mapped || coated || phong.is_some()) {
             return matte;
         }
-        let sheen = fraction(mtl.sheen, 0.0);
         let specular = phong.map_or(Rgb::ONE, |specular| specular_color(mtl, specular));
         let principled = Principled {
             metallic: self.scalar(mtl.metallic, 0.0, mtl.metallic_map.as_ref()),
             facets: Facets {
-                roughness: self.scalar(Some(roughness(mtl, 0.5)), 0.5, mtl.roughness_map.as_ref()),
-                anisotropy: Scalar::constant(fraction(mtl.anisotropy, 0.0)),
+                anisotropy: self.scalar(mtl.anisotropy, 0.0, mtl.anisotropy_map.as_ref()),
                 rotation: mtl.anisotropy_rotation.unwrap_or(0.0) * TAU,
-                direction: None,
+                ..Facets::of(self.scalar(
+                    Some(roughness(mtl, 0.5)),
+                    0.5,
+                    mtl.roughness_map.as_ref(),
+                ))
             },
             specular_color: self.texture(specular, 1.0, mtl.specular_map.as_ref()),
-            clearcoat: Scalar::constant(fraction(mtl.clearcoat, 0.0)),
-            clearcoat_roughness: Scalar::constant(fraction(mtl.clearcoat_roughness, 0.0)),
-            sheen_color: Texture::constant(Rgb::splat(sheen)),
+            clearcoat: self.scalar(mtl.clearcoat, 0.0, mtl.clearcoat_map.as_ref()),
+            clearcoat_roughness: self.scalar(
+                mtl.clearcoat_roughness,
+                0.0,
+                mtl.clearcoat_roughness_map.as_ref(),
+            ),
+            sheen_color: self.sheen(mtl),
             sheen_roughness: Scalar::constant(0.5),
             ..Principled::default()
         };
         Material { scattering: Scattering::Principled(Box::new(principled)), ..matte }
     }
 
+    /// Ps, whose picture holds numbers where glTF has colours.
+    fn sheen(&mut self, mtl: &Mtl) -> Texture {
+        let sheen = fraction(mtl.sheen, if mtl.sheen_map.is_some() { 1.0 } else { 0.0 });
+        let constant = Texture::constant(Rgb::splat(sheen));
+        let Some(map) = mtl.sheen_map.as_ref().filter(|_| sheen != 0.0) else { return constant };
+        let range = Range { role: Role::Data, gain: map.gain, base: map.base };
+        self.picture(constant.factor, map, Some(range), SQUARES)
+    }
+
     /// A number, which multiplies its picture; with a picture alone, 1.
     fn scalar(&mut self, value: Option<f32>, default: f32, map: Option<&Map>) -> Scalar {
-        let default = if map.is_some() { 1.0 } else { default };
-        let value = value.map_or(default, |value| value.clamp(0.0, 1.0));
-        let texture = self.texture(Rgb::splat(value), value, map.filter(|_| value != 0.0));
-        Scalar { texture, channel: 0, complement: false }
+        let value = fraction(value, if map.is_some() { 1.0 } else { default });
+        let Some(map) = map.filter(|_| value != 0.0) else { return Scalar::constant(value) };
+        let texture = self.numbers([value; 4], map, SQUARES);
+        Scalar { texture, channel: map.channel.unwrap_or(0), complement: false }
     }
 
     fn texture(&mut self, color: Rgb, alpha: f32, map: Option<&Map>) -> Texture {
@@ -224,8 +247,25 @@ impl Maker<'_> {
         let Some(map) = map else {
             return Texture { factor, ..Texture::constant(color) };
         };
-        let (placed, place) = ((map.transform, map.wrap), map.place.clone());
-        self.pictures.texture(&map.file, factor, placed, place, self.warnings)
+        self.picture(factor, map, range(map, Role::Color), SQUARES)
+    }
+
+    /// A picture of numbers instead of colours.
+    fn numbers(&mut self, factor: [f32; 4], map: &Map, otherwise: &'static str) -> Texture {
+        self.picture(factor, map, range(map, Role::Data), otherwise)
+    }
+
+    fn picture(
+        &mut self,
+        factor: [f32; 4],
+        map: &Map,
+        range: Option<Range>,
+        otherwise: &'static str,
+    ) -> Texture {
+        let Map { file, transform, wrap, place, .. } = map;
+        let (transform, wrap, place) = (*transform, *wrap, place.clone());
+        let named = Named { file, factor, transform, wrap, range, place, otherwise };
+        self.pictures.texture(named, self.warnings)
     }
 
     /// Kd; if it is not given, white under a picture and grey otherwise.
@@ -257,12 +297,19 @@ impl Maker<'_> {
     /// A map_d that is another picture than map_Kd: its alpha if it has one, else how bright it is.
     fn mask(&mut self, mtl: &Mtl) -> Option<Scalar> {
         let map = mtl.opacity_map.as_ref().filter(|_| !masks_itself(mtl))?;
-        let texture = self.texture(Rgb::ONE, 1.0, Some(map));
+        let texture = self.numbers([1.0; 4], map, "nothing is cut out");
         // A stand-in for a missing picture holds colours.
         let found = matches!(texture.pattern, Pattern::Image { .. });
-        let channel = if self.pictures.is_transparent(&texture) { 3 } else { 0 };
+        let alpha = self.pictures.is_transparent(&texture).then_some(3);
+        let channel = map.channel.or(alpha).unwrap_or(0);
         found.then_some(Scalar { texture, channel, complement: false })
     }
+}
+
+/// How -mm changes a picture, if it does.
+fn range(map: &Map, role: Role) -> Option<Range> {
+    let Map { gain, base, .. } = *map;
+    ((gain, base) != (1.0, 0.0)).then_some(Range { role, gain, base })
 }
 
 /// Whether map_d names the same picture as map_Kd.

@@ -19,7 +19,18 @@ pub(super) struct Library {
     twice: Tally,
     unknown: Tally,
     numbers: Tally,
+    /// As many as [`NOT_SHOWN`].
+    not_shown: [Tally; NOT_SHOWN.len()],
 }
+
+/// Keywords that are known and not shown, and what is there instead.
+const NOT_SHOWN: [(&str, &str); 5] = [
+    ("disp", "surfaces are not moved; map_bump shows relief"),
+    ("decal", "no picture is laid over another"),
+    ("refl", "what mirrors shows the scene around it"),
+    ("map_Ns", "gloss is the same everywhere; map_Pr varies it"),
+    ("map_Tr", "nothing is cut out; map_d does that"),
+];
 
 /// A material as its file gives it; `None` is what the file does not say.
 #[derive(Debug, Default)]
@@ -61,12 +72,20 @@ pub(super) struct Mtl {
     pub(super) metallic_map: Option<Map>,
     /// Ps
     pub(super) sheen: Option<f32>,
+    /// map_Ps
+    pub(super) sheen_map: Option<Map>,
     /// Pc
     pub(super) clearcoat: Option<f32>,
+    /// map_Pc
+    pub(super) clearcoat_map: Option<Map>,
     /// Pcr
     pub(super) clearcoat_roughness: Option<f32>,
+    /// map_Pcr
+    pub(super) clearcoat_roughness_map: Option<Map>,
     /// aniso
     pub(super) anisotropy: Option<f32>,
+    /// map_aniso
+    pub(super) anisotropy_map: Option<Map>,
     /// norm
     pub(super) normal_map: Option<Map>,
     /// map_bump
@@ -84,6 +103,11 @@ pub(super) struct Map {
     pub(super) wrap: Wrap,
     /// -bm: how high the picture is, or how much its normals bend.
     pub(super) strength: f32,
+    /// -imfchan: which channel a number is read from, 0 to 3 for red, green, blue and alpha.
+    pub(super) channel: Option<usize>,
+    /// -mm: what the picture is multiplied by, and what is added to that.
+    pub(super) gain: f32,
+    pub(super) base: f32,
     pub(super) place: Place,
 }
 
@@ -102,8 +126,8 @@ impl Library {
             let files = if access.resolve(names).is_ok() { &whole } else { several.as_slice() };
             for file in files {
                 let file = file.replace('\\', "/");
-                match access.read(&file) {
-                    Ok(bytes) => library.read(&bytes, &file)?,
+                match access.read_meant(&file) {
+                    Ok((bytes, meant)) => library.read(&bytes, &meant.unwrap_or(file))?,
                     Err(error) => warnings.push(missing(&file, &error, place)),
                 }
             }
@@ -127,6 +151,11 @@ impl Library {
         std::mem::take(&mut self.numbers).warn(warnings, |count| {
             format!("{} without a readable value skipped", counted(count, "line"))
         });
+        for (tally, (keyword, instead)) in self.not_shown.iter_mut().zip(NOT_SHOWN) {
+            std::mem::take(tally).warn(warnings, |count| {
+                format!("{} with {keyword} skipped: {instead}", counted(count, "line"))
+            });
+        }
     }
 
     /// Reads the file called `name`.
@@ -142,11 +171,20 @@ impl Library {
             let Some((_, material)) = material else { continue };
             match material.read_line(&line, name) {
                 Ok(true) => {}
-                Ok(false) => self.unknown.add(|| line.place(name)),
+                Ok(false) => self.left_out(keyword).add(|| line.place(name)),
                 Err(_) => self.numbers.add(|| line.place(name)),
             }
         }
         Ok(())
+    }
+
+    /// The tally of lines with a keyword that is not shown.
+    fn left_out(&mut self, keyword: &[u8]) -> &mut Tally {
+        let known = |(known, _): &(&str, _)| keyword.eq_ignore_ascii_case(known.as_bytes());
+        match NOT_SHOWN.iter().position(known) {
+            Some(index) => &mut self.not_shown[index],
+            None => &mut self.unknown,
+        }
     }
 
     fn add(&mut self, line: &Line<'_>, name: &str) -> Result<usize> {
@@ -169,7 +207,7 @@ fn missing(file: &str, error: &Diagnostic, place: &Place) -> Diagnostic {
 }
 
 impl Mtl {
-    /// Takes in one line; `false`: its keyword is unknown.
+    /// Takes in one line; `false`: its keyword is none of those that are shown.
     fn read_line(&mut self, line: &Line<'_>, name: &str) -> Parsed<bool> {
         let mut words = line.words();
         let keyword = lossy(words.next().unwrap_or_default()).to_ascii_lowercase();
@@ -192,14 +230,17 @@ impl Mtl {
             "pm" => self.metallic = Some(number(words)?),
             "map_pm" => self.metallic_map = Some(Map::read(line, name)?),
             "ps" => self.sheen = Some(number(words)?),
+            "map_ps" => self.sheen_map = Some(Map::read(line, name)?),
             "pc" => self.clearcoat = Some(number(words)?),
+            "map_pc" => self.clearcoat_map = Some(Map::read(line, name)?),
             "pcr" => self.clearcoat_roughness = Some(number(words)?),
+            "map_pcr" => self.clearcoat_roughness_map = Some(Map::read(line, name)?),
             "aniso" => self.anisotropy = Some(number(words)?),
+            "map_aniso" => self.anisotropy_map = Some(Map::read(line, name)?),
             "anisor" => self.anisotropy_rotation = Some(number(words)?),
-            "ka" | "map_ka" | "map_ns" | "map_ps" | "refl" | "sharpness" => {}
+            "ka" | "map_ka" | "sharpness" => {}
             "norm" | "map_kn" => self.normal_map = Some(Map::read(line, name)?),
             "map_bump" | "bump" => self.bump_map = Some(Map::read(line, name)?),
-            "disp" | "decal" => {}
             _ => return Ok(false),
         }
         Ok(true)
@@ -232,12 +273,13 @@ impl Map {
     /// Reads `map_… [options] file`, where the file may have blanks in its name.
     fn read(line: &Line<'_>, name: &str) -> Parsed<Self> {
         let text = line.after_keyword();
-        let (mut scale, mut offset, mut wrap) = (Vec2::ONE, Vec2::ZERO, Wrap::Repeat);
-        let (mut file, mut strength) = (text.as_str(), 1.0);
-        while file.starts_with('-') {
-            let (option, after) = first_word(file);
+        let (mut map, mut rest) = (Self::plain(line.place(name)), text.as_str());
+        let (mut scale, mut offset) = (Vec2::ONE, Vec2::ZERO);
+        while rest.starts_with('-') {
+            let (option, after) = first_word(rest);
             let (value, after_one) = first_word(after);
-            file = match option {
+            let number = |word: &str| number(std::iter::once(word.as_bytes()));
+            rest = match option {
                 "-s" => up_to_three(after, &mut scale),
                 "-o" => up_to_three(after, &mut offset),
                 "-t" => up_to_three(after, &mut Vec2::default()),
@@ -247,18 +289,42 @@ impl Map {
                 _ => break,
             };
             match option {
-                "-clamp" if value == "on" => wrap = Wrap::Clamp,
-                "-bm" => strength = number(std::iter::once(value.as_bytes()))?,
+                "-clamp" if value == "on" => map.wrap = Wrap::Clamp,
+                "-bm" => map.strength = number(value)?,
+                "-imfchan" => map.channel = channel(value),
+                "-mm" => (map.base, map.gain) = (number(value)?, number(first_word(after_one).0)?),
                 _ => {}
             }
         }
-        if file.is_empty() {
+        if rest.is_empty() {
             return Err("no picture named".into());
         }
+        let file = rest.strip_prefix('"').and_then(|f| f.strip_suffix('"')).unwrap_or(rest);
         let file = seen_from_model(name, &file.replace('\\', "/"));
         let transform = UvTransform::from_scale_angle_translation(scale, 0.0, offset);
-        Ok(Self { file, transform, wrap, strength, place: line.place(name) })
+        Ok(Self { file, transform, ..map })
     }
+
+    /// Without options, and yet without a picture.
+    fn plain(place: Place) -> Self {
+        let (transform, wrap) = (UvTransform::IDENTITY, Wrap::Repeat);
+        let (strength, gain) = (1.0, 1.0);
+        Self {
+            file: String::new(),
+            transform,
+            wrap,
+            strength,
+            channel: None,
+            gain,
+            base: 0.0,
+            place,
+        }
+    }
+}
+
+/// The channel that `-imfchan` names. Luminance is red, as in all pictures of numbers; depth is in none.
+fn channel(name: &str) -> Option<usize> {
+    ["r", "g", "b", "m"].iter().position(|channel| *channel == name)
 }
 
 /// The first word of a text without blanks around it, and the rest.
@@ -281,10 +347,15 @@ fn up_to_three<'a>(mut text: &'a str, values: &mut Vec2) -> &'a str {
     text
 }
 
+/// Whether a path starts at the root of a disk, here or on Windows.
+fn is_absolute(path: &str) -> bool {
+    path.starts_with('/') || path.get(1..3) == Some(":/")
+}
+
 /// The path of `file`, which the material file `library` names, seen from the model's folder.
 fn seen_from_model(library: &str, file: &str) -> String {
     match library.rsplit_once('/') {
-        Some((folder, _)) if !file.starts_with('/') => format!("{folder}/{file}"),
+        Some((folder, _)) if !is_absolute(file) => format!("{folder}/{file}"),
         _ => file.to_owned(),
     }
 }

@@ -1,6 +1,9 @@
 use super::*;
 use crate::color::Rgb;
-use crate::scene::description::{Alpha, BumpAmount, Material, Pattern, Scattering, Wrap};
+use crate::scene::description::{
+    Alpha, BumpAmount, Material, Pattern, Scalar, Scattering, Texture, Wrap,
+};
+use crate::shading::texture::Role;
 use glam::Vec2;
 use std::path::Path;
 
@@ -221,7 +224,7 @@ fn pictures_and_their_options() {
     assert!(matches!(mask, Some((Pattern::Image { .. }, 0))), "{mask:?}");
     assert_eq!([&materials[2].opacity, &materials[0].opacity], [&None, &None]);
     assert_eq!(materials[3].alpha, Alpha::Blend);
-    assert_eq!(warnings.len(), 2, "{warnings:?}");
+    assert_eq!(warnings.len(), 3, "{warnings:?}");
     assert!(warnings[0].starts_with("my materials.mtl:11: cannot use the picture \"no such.png\""));
 }
 
@@ -247,6 +250,80 @@ fn gloss_metal_and_glass_are_taken_over() {
     assert_eq!(materials[3].alpha, Alpha::Opaque);
     assert!(materials[4].is_matte());
     assert!(warnings.is_empty(), "{warnings:?}");
+}
+
+/// Numbers of pictures: which channel, over which range, and for which part of the surface.
+#[test]
+fn numbers_may_be_pictures_of_any_channel_and_range() {
+    let mtl = "newmtl a\nPc 0.5\nmap_Pc -imfchan b layers.png\nmap_Pcr -imfchan g layers.png\n\
+        map_aniso -mm 0.25 0.5 layers.png\nmap_Ps -mm 0.2 0.4 layers.png\n\
+        newmtl b\nmap_d -imfchan m layers.png\nmap_Kd red.png\nmap_Pr -imfchan l layers.png\n\
+        newmtl c\nmap_Kd -mm 0.5 0.25 \"red.png\"\ndisp layers.png\nREFL layers.png\nmap_Ns layers.png\n\
+        map_Tr layers.png\nmap_Tr layers.png\nnorm gone.png\n";
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("m.mtl"), mtl).unwrap();
+    write_picture(&folder.path().join("layers.png"), [51, 102, 204, 153]);
+    write_picture(&folder.path().join("red.png"), [255, 0, 0, 255]);
+    let faces = "usemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\nusemtl c\nf 1 2 3\n";
+    let text = format!("mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n{faces}");
+    let (scene, warnings) = load_in(folder.path(), &text);
+    let scene = scene.unwrap();
+    let [a, b, c] = &scene.materials[..] else { panic!("there are three") };
+    // One texel is the same everywhere.
+    let texel = |texture: &Texture, role| {
+        let Pattern::Image { image, .. } = texture.pattern else { panic!("{texture:?}") };
+        let value = crate::shading::texture::texel(&scene.images[image], 0, role);
+        value * glam::Vec4::from_array(texture.factor)
+    };
+    let number = |scalar: &Scalar| texel(&scalar.texture, Role::Data)[scalar.channel];
+    let close = |value: f32, expected: f32| {
+        assert!((value - expected).abs() < 1e-6, "{value}, expected {expected}");
+    };
+    let Scattering::Principled(p) = &a.scattering else { panic!("{a:?}") };
+    close(number(&p.clearcoat), 0.5 * 0.8);
+    close(number(&p.clearcoat_roughness), 0.4);
+    close(number(&p.facets.anisotropy), 0.25 + 0.5 * 0.2);
+    close(texel(&p.sheen_color, Role::Color).x, 0.2 + 0.4 * 0.2);
+    close(number(b.opacity.as_ref().unwrap()), 0.6);
+    let Scattering::Principled(p) = &b.scattering else { panic!("{b:?}") };
+    close(number(&p.facets.roughness), 0.2);
+    assert_eq!(texel(&c.reflectance, Role::Color).to_array(), [0.75, 0.5, 0.5, 1.0]);
+    let warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+    let starts = [
+        "m.mtl:13: 1 line with disp skipped: surfaces are not moved",
+        "m.mtl:14: 1 line with refl skipped",
+        "m.mtl:15: 1 line with map_Ns skipped",
+        "m.mtl:16: 2 lines with map_Tr skipped: nothing is cut out; map_d does that",
+        "m.mtl:18: cannot use the picture \"gone.png\": no such file",
+    ];
+    assert_eq!(warnings.len(), starts.len(), "{warnings:?}");
+    assert!(warnings.iter().zip(starts).all(|(w, start)| w.starts_with(start)), "{warnings:?}");
+    assert!(warnings[4].ends_with("help: no relief is shown"), "{warnings:?}");
+}
+
+/// Paths that exporters leave behind.
+#[test]
+fn pictures_are_found_by_the_ends_of_their_paths() {
+    let mtl = "newmtl a\nmap_Kd \"Tex/A Leaf.PNG\"\nmap_Ke D:\\old\\tex\\a leaf.png\n\
+        newmtl b\nmap_Kd /home/me/a leaf.png\nmap_Ke a.svg\n";
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("tex")).unwrap();
+    std::fs::write(folder.path().join("M.MTL"), mtl).unwrap();
+    std::fs::write(folder.path().join("a.svg"), "<svg/>").unwrap();
+    write_picture(&folder.path().join("tex/a leaf.png"), [9, 9, 9, 255]);
+    let faces = "usemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\n";
+    let text = format!("mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n{faces}");
+    let (scene, warnings) = load_in(folder.path(), &text);
+    let scene = scene.unwrap();
+    let found = |texture: &Texture| matches!(texture.pattern, Pattern::Image { .. });
+    assert!(found(&scene.materials[0].reflectance) && found(&scene.materials[0].emission));
+    assert!(!found(&scene.materials[1].reflectance));
+    let warnings: String = warnings.iter().map(|warning| format!("{warning}\n")).collect();
+    let moved = "M.MTL:2: 2 pictures are not where the model says, such as \"Tex/A Leaf.PNG\", for which \
+        \"tex/a leaf.png\" is taken";
+    assert!(warnings.contains(moved), "{warnings}");
+    let formats = "help: PNG, JPEG, WebP, KTX2, TGA, BMP, TIFF, GIF, HDR, EXR and PFM can be read; magenta and";
+    assert!(warnings.contains(formats), "{warnings}");
 }
 
 /// A grey picture holds heights; one with colours can only hold normals, whatever its key says.

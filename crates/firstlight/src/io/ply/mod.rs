@@ -9,7 +9,7 @@ mod tests;
 mod values;
 mod vertices;
 
-use super::pictures::Pictures;
+use super::pictures::{Named, Pictures, SQUARES};
 use super::text::{counted, quoted};
 use super::triangles::{add_surface, default_material, fill_normals, not_empty, without_unused};
 use super::{FileAccess, Warnings};
@@ -49,7 +49,7 @@ pub fn read(
     if !mesh.triangles.is_empty() {
         let mut pictures = Pictures::new(access);
         scene.materials.push(material(&header, &mesh, name, &mut pictures, warnings));
-        scene.images = pictures.images;
+        scene.images = pictures.finish(warnings);
         add_surface(&mut scene, mesh, 0);
     }
     not_empty(scene, name)
@@ -142,8 +142,16 @@ fn material(
         && !mesh.uvs.is_empty()
     {
         let place = Place { file: name.into(), ..Place::default() };
-        let map = (UvTransform::IDENTITY, Wrap::Repeat);
-        material.reflectance = pictures.texture(file, [1.0; 4], map, place, warnings);
+        let named = Named {
+            file,
+            factor: [1.0; 4],
+            transform: UvTransform::IDENTITY,
+            wrap: Wrap::Repeat,
+            range: None,
+            place,
+            otherwise: SQUARES,
+        };
+        material.reflectance = pictures.texture(named, warnings);
         if header.textures.len() > 1 {
             let count = counted(header.textures.len(), "picture");
             let message = format!("of {count} only the first is used, {}", quoted(file.as_bytes()));

@@ -33,6 +33,8 @@ pub(super) enum MaterialKeys {
     ThinGlass(Box<ThinGlassKeys>),
     /// glTF's metallic-roughness material with its extensions.
     Principled(Box<PrincipledKeys>),
+    /// A colour for the eye alone: no light changes it, and it lights nothing.
+    Unlit(Box<UnlitKeys>),
     /// Two other materials at once.
     Mix(Box<MixKeys>),
     /// Fog, smoke: a closed surface that is filled with it and is not there itself.
@@ -149,6 +151,10 @@ ConductorKeys {
     anisotropy: Option<TextureKeys<Fraction>>,
     /// Direction of `anisotropy`, anticlockwise from that of growing u. Default 0.
     anisotropy_rotation: Option<Angle>,
+    /// Whether light that meets several facets on its way out is counted: off, rough surfaces lose it, as in renderers
+    /// that do not compensate for it. Default true.
+    #[serde(alias = "energy_compensation")]
+    multiple_scattering: Option<bool>,
 }
 }
 
@@ -162,6 +168,10 @@ DielectricKeys {
     abbe: Option<Abbe>,
     /// 0 (polished) to 1 (frosted). Default 0.
     roughness: Option<TextureKeys<Fraction>>,
+    /// Whether light that meets several facets on its way out is counted: off, rough surfaces lose it, as in renderers
+    /// that do not compensate for it. Default true.
+    #[serde(alias = "energy_compensation")]
+    multiple_scattering: Option<bool>,
     /// Colour that its surface gives to what passes. Default white.
     color: Option<TextureKeys<Reflectance>>,
     /// Colour that light has after `attenuation_distance` inside. Default white.
@@ -198,6 +208,10 @@ PrincipledKeys {
     anisotropy: Option<TextureKeys<Fraction>>,
     /// Direction of `anisotropy`, anticlockwise from that of growing u. Default 0.
     anisotropy_rotation: Option<Angle>,
+    /// Whether light that meets several facets on its way out is counted: off, rough surfaces lose it, as in renderers
+    /// that do not compensate for it. Default true.
+    #[serde(alias = "energy_compensation")]
+    multiple_scattering: Option<bool>,
     /// Index of refraction, 1 to 10, or a name. Default 1.5.
     ior: Option<Index>,
     /// Strength of the gloss of what is not metal. Default 1.
@@ -241,6 +255,14 @@ PrincipledKeys {
     iridescence_thickness_min: Option<Size>,
     /// How thick it is from the least to the most, 0 to 1. Default 1.
     iridescence_thickness_map: Option<TextureKeys<Fraction>>,
+}
+}
+
+material_keys! {
+/// A colour for the eye alone.
+UnlitKeys {
+    /// The colour, which may be more than 1. Default white.
+    color: Option<At<TextureKeys<Color>>>,
 }
 }
 
@@ -291,7 +313,10 @@ impl MaterialKeys {
             Self::Conductor(keys) => keys.describe(name, pictures),
             Self::Dielectric(mut keys) => {
                 let color = pictures.texture(keys.color.take(), Rgb::ONE)?;
-                let facets = Facets::of(pictures.scalar(keys.roughness.take(), 0.0)?);
+                let facets = Facets {
+                    multiple_scattering: keys.multiple_scattering.unwrap_or(true),
+                    ..Facets::of(pictures.scalar(keys.roughness.take(), 0.0)?)
+                };
                 let index = keys.index.take().unwrap_or(Index::GLASS);
                 let mut interior = interior!(keys, index);
                 if let Some(medium) = keys.medium.take() {
@@ -310,6 +335,7 @@ impl MaterialKeys {
                 keys.finish(name, color, Scattering::ThinGlass { index }, pictures)
             }
             Self::Principled(keys) => keys.describe(name, pictures),
+            Self::Unlit(keys) => keys.describe(name, pictures),
             Self::Medium(keys) => keys.material(name, pictures.document),
             Self::Mix(mut keys) => {
                 let ((materials, interior), white) = (parts, Texture::constant(Rgb::ONE));
@@ -337,6 +363,24 @@ impl LambertKeys {
     }
 }
 
+impl UnlitKeys {
+    fn describe(mut self, name: &str, pictures: &mut Pictures<'_>) -> Result<Material> {
+        let emission = self.emission.take().map(|keys| pictures.texture(Some(keys), Rgb::ZERO));
+        let emission = match (self.color.take(), emission.transpose()?) {
+            (Some(At { span, .. }), Some(_)) => {
+                let message = "says again what emission says: of what has no light it is the color";
+                return Err(pictures.document.error(&span, message));
+            }
+            (Some(color), None) => pictures.texture(Some(color.value), Rgb::ONE)?,
+            (None, emission) => emission.unwrap_or(Texture::constant(Rgb::ONE)),
+        };
+        // It reflects nothing, and its picture's alpha counts.
+        let black = Texture { factor: [0.0, 0.0, 0.0, emission.factor[3]], ..emission.clone() };
+        let matte = Scattering::Matte { roughness: Scalar::constant(0.0) };
+        Ok(Material { emission, unlit: true, ..self.finish(name, black, matte, pictures)? })
+    }
+}
+
 impl ConductorKeys {
     fn describe(mut self, name: &str, pictures: &mut Pictures<'_>) -> Result<Material> {
         let index = match (self.metal.take(), self.n.take(), self.k.take()) {
@@ -354,6 +398,7 @@ impl ConductorKeys {
         let facets = Facets {
             anisotropy: pictures.scalar(self.anisotropy.take(), 0.0)?,
             rotation: self.anisotropy_rotation.take().map_or(0.0, |Angle(angle)| angle as f32),
+            multiple_scattering: self.multiple_scattering.unwrap_or(true),
             ..Facets::of(pictures.scalar(self.roughness.take(), 0.0)?)
         };
         self.finish(name, color, Scattering::Conductor { index, facets }, pictures)
@@ -391,6 +436,7 @@ impl PrincipledKeys {
             facets: Facets {
                 anisotropy: number(&mut self.anisotropy, 0.0)?,
                 rotation: self.anisotropy_rotation.take().map_or(0.0, |Angle(angle)| angle as f32),
+                multiple_scattering: self.multiple_scattering.unwrap_or(true),
                 ..Facets::of(number(&mut self.roughness, 0.5)?)
             },
             ior,

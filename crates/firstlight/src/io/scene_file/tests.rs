@@ -707,7 +707,12 @@ fn every_kind_of_material_is_described() {
         bottle.dielectric = { index = 'water', abbe = 50, attenuation_color = 0.5, attenuation_distance = '10 cm', priority = 2 }
         window.thin_glass = { index = 1.6, color = 'red' }
         car.principled = { clearcoat = 1, roughness = { image = { file = 'wood.png', channel = 'g' } } }
+        worn.conductor = { roughness = 1, multiple_scattering = false }
+        ground.dielectric = { roughness = 1, energy_compensation = false }
+        chalk.principled = { multiple_scattering = false }
         soap.principled = { iridescence = 1, iridescence_thickness = '300 nm', transmission = 1, solid = true }
+        sign.unlit = { color = [1, 2, 0], opacity = 0.5 }
+        page.unlit = {}
         steel.mirror = {}",
     );
     let find = |name: &str| scene.materials.iter().find(|m| m.name == name).expect(name);
@@ -726,6 +731,23 @@ fn every_kind_of_material_is_described() {
     assert!(
         matches!(find("own").scattering, Scattering::Conductor { index: Some(i), .. } if i == own)
     );
+    let (sign, page) = (find("sign"), find("page"));
+    assert_eq!(
+        (sign.emission.factor, sign.reflectance.factor),
+        ([1.0, 2.0, 0.0, 1.0], [0.0, 0.0, 0.0, 0.5])
+    );
+    assert_eq!((sign.unlit, page.unlit, page.emission.factor), (true, true, [1.0; 4]));
+    let twice = complaint("materials.a.unlit = { color = 1, emission = 2 }");
+    assert!(twice.contains("says again what emission says"), "{twice}");
+    let several = |name: &str| match &find(name).scattering {
+        Scattering::Conductor { facets, .. } | Scattering::Dielectric { facets } => {
+            facets.multiple_scattering
+        }
+        Scattering::Principled(p) => p.facets.multiple_scattering,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(["metal", "bottle", "car"].map(several), [true; 3]);
+    assert_eq!(["worn", "ground", "chalk"].map(several), [false; 3]);
     let water = find("bottle").interior.expect("it is solid");
     assert_eq!((water.index, water.dispersion, water.priority), (1.333, 0.02, 2));
     assert!((water.absorption.x - 10.0 * 2.0_f32.ln()).abs() < 1e-4);

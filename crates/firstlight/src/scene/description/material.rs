@@ -78,6 +78,9 @@ pub struct Material {
     pub written: String,
     /// Whether the back emits as well as the front, if it can be seen.
     pub emits_behind: bool,
+    /// Whether what it emits is a colour for the eye alone (KHR_materials_unlit): it is seen by the camera, in mirrors and
+    /// through clear glass, and lights nothing.
+    pub unlit: bool,
     /// What the alpha channel of `reflectance` means.
     pub alpha: Alpha,
     /// What multiplies that channel, 0..1; `None`: 1.
@@ -103,6 +106,7 @@ impl Material {
             emission: Texture::constant(Rgb::ZERO),
             written: String::new(),
             emits_behind: true,
+            unlit: false,
             alpha: Alpha::Opaque,
             opacity: None,
             double_sided: true,
@@ -119,6 +123,17 @@ impl Material {
     /// Whether it scatters like a matte ground and nothing else.
     pub fn is_matte(&self) -> bool {
         matches!(&self.scattering, Scattering::Matte { roughness } if roughness.is(0.0))
+    }
+
+    /// Whether it emits anything, if only for the eye.
+    pub fn emits(&self) -> bool {
+        let [r, g, b, _] = self.emission.factor;
+        r.max(g).max(b) > 0.0
+    }
+
+    /// Whether what it emits lights what is around it.
+    pub fn is_light(&self) -> bool {
+        self.emits() && !self.unlit
     }
 
     /// Whether a picture bends its normals.
@@ -315,12 +330,15 @@ pub struct Facets {
     pub rotation: f32,
     /// Red and green, each 0..1 for −1..1: the direction in the frame of u and v, before `rotation`.
     pub direction: Option<Texture>,
+    /// Whether light that meets several facets on its way out is counted; otherwise it is lost.
+    pub multiple_scattering: bool,
 }
 
 impl Facets {
     /// Of one roughness for all directions.
     pub fn of(roughness: Scalar) -> Self {
-        Self { roughness, anisotropy: Scalar::constant(0.0), rotation: 0.0, direction: None }
+        let anisotropy = Scalar::constant(0.0);
+        Self { roughness, anisotropy, rotation: 0.0, direction: None, multiple_scattering: true }
     }
 }
 
@@ -606,6 +624,8 @@ pub struct Pixels {
 pub enum Texels {
     /// sRGB-encoded colour with linear alpha, as in 8-bit PNG, JPEG and WebP.
     Srgb8(Vec<[u8; 4]>),
+    /// The same, as in PNG and TIFF of 16 bits.
+    Srgb16(Vec<[u16; 4]>),
     /// Linear values.
     Linear(Vec<[f32; 4]>),
 }

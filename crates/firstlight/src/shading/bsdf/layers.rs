@@ -24,6 +24,8 @@ pub(crate) struct Layers<'a> {
     pub outgoing: Vec3,
     /// What is left for the next layer.
     pub left: Rgb,
+    /// Whether what facets scatter more than once is added to what they scatter once.
+    pub multiple_scattering: bool,
     /// The fraction of light that the lobes scatter, as far as there are any.
     scattered: Rgb,
 }
@@ -37,7 +39,14 @@ pub(crate) type Alpha = Vec2;
 impl<'a> Layers<'a> {
     /// For light that leaves along `outgoing`.
     pub(crate) fn new(lobes: &'a mut Vec<Lobe>, outgoing: Vec3) -> Self {
-        Self { start: lobes.len(), lobes, outgoing, left: Rgb::ONE, scattered: Rgb::ZERO }
+        Self {
+            start: lobes.len(),
+            lobes,
+            outgoing,
+            left: Rgb::ONE,
+            multiple_scattering: true,
+            scattered: Rgb::ZERO,
+        }
     }
 
     /// Adds a lobe that scatters the fraction `albedo` of what is left, times `weight`.
@@ -67,6 +76,11 @@ impl<'a> Layers<'a> {
         self.add(Kind::Eon(eon), Rgb::ONE, eon.albedo(self.outgoing.z));
     }
 
+    /// What light that facets scatter once, the fraction `once` of what they get, is multiplied by to make up for the rest.
+    fn gain(&self, once: f32) -> f32 {
+        if self.multiple_scattering { 1.0 / once } else { 1.0 }
+    }
+
     /// Facets that reflect by `fresnel`. Returns the fraction that they reflect in all.
     ///
     /// What they scatter more than once is added in the same directions: Turquin, *Practical Multiple Scattering
@@ -84,7 +98,7 @@ impl<'a> Layers<'a> {
             Fresnel::Schlick { normal, grazing: f90 } => normal * (all - grazing) + f90 * grazing,
             Fresnel::Conductor { .. } => normal * (all - grazing) + grazing,
         };
-        let gain = 1.0 + normal * ((1.0 - all) / all);
+        let gain = 1.0 + normal * (self.gain(all) - 1.0);
         let kind = Kind::Facets { facets, fresnel, once: all, through: false };
         self.add(kind, gain, once);
         once * gain
@@ -111,7 +125,7 @@ impl<'a> Layers<'a> {
         };
         let once = albedo::glass(self.outgoing, facets.alpha, eta);
         let kind = Kind::Glass { glass: Glass { facets, eta, once }, tint, gloss };
-        self.add(kind, Rgb::splat(1.0 / once), Rgb::splat(once));
+        self.add(kind, Rgb::splat(self.gain(once)), Rgb::splat(once));
     }
 
     /// A pane without thickness that reflects by `fresnel` and lets through what is left, times `tint`.
@@ -124,7 +138,7 @@ impl<'a> Layers<'a> {
         let (all, _) = albedo::facets(self.outgoing, facets.alpha);
         let fresnel = Fresnel::Schlick { normal: Rgb::ONE, grazing: 1.0 };
         let kind = Kind::Facets { facets, fresnel, once: all, through: true };
-        self.add(kind, passes / all, Rgb::splat(all));
+        self.add(kind, passes * self.gain(all), Rgb::splat(all));
     }
 
     /// The pane of a window: light goes back and forth between its two smooth sides.

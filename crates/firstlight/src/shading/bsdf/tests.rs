@@ -115,6 +115,32 @@ fn white_surfaces_are_invisible_in_a_furnace() {
     assert!(off.is_empty(), "{off:?}");
 }
 
+/// Without what is scattered several times, white facets and glass scatter E(μ), as quadrature has it (PA4, M22, M26).
+#[test]
+fn single_scattering_alone_loses_what_facets_hide() {
+    let white = Fresnel::Schlick { normal: Rgb::ONE, grazing: 1.0 };
+    for (several, eta, alpha, cos, once) in [
+        (false, None, 0.3, 0.5, 0.821711053),
+        (false, None, 0.8, 0.25, 0.663211922),
+        (false, None, 1.0, 1.0, 0.306852868),
+        (true, None, 1.0, 1.0, 1.0),
+        (false, Some(1.5), 0.3, 0.25, 0.103960191 + 0.804691103),
+        (false, Some(1.5), 0.6, 1.0, 0.0243103801 + 0.931089789),
+        (true, Some(1.5), 0.6, 1.0, 1.0_f64),
+    ] {
+        let outgoing = at_cosine(cos);
+        let lobes = lobes(outgoing, |layers| {
+            layers.multiple_scattering = several;
+            match eta {
+                Some(eta) => layers.glass(eta, Vec2::splat(alpha), Rgb::ONE, None),
+                None => _ = layers.facets(white, Vec2::splat(alpha)),
+            }
+        });
+        let found = albedo(&lobes, outgoing, 1 << 14);
+        assert!((found / once - 1.0).abs() < 5e-3, "{several} {eta:?} {alpha} {cos}: {found}");
+    }
+}
+
 /// Directions, and those in cells of the sphere, are as likely as the density says.
 #[test]
 fn every_lobe_is_sampled_by_its_density() {

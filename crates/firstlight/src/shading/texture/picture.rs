@@ -110,7 +110,7 @@ fn halved(pixels: &Pixels, role: Role) -> Pixels {
         Texels::Srgb8(_) => {
             Texels::Srgb8(means.into_iter().map(|mean| codes(mean, role)).collect())
         }
-        Texels::Linear(_) => {
+        Texels::Srgb16(_) | Texels::Linear(_) => {
             Texels::Linear(means.into_iter().map(|mean| mean.to_array()).collect())
         }
     };

@@ -60,6 +60,7 @@ fn unlit_colour_is_emission_and_keeps_its_alpha() {
     assert_eq!(material.reflectance.factor, [0.0, 0.0, 0.0, 0.4]);
     assert_eq!(material.emission.factor, [0.1, 0.2, 0.3, 0.4]);
     assert_eq!(material.alpha, Alpha::Blend);
+    assert!(material.unlit && material.emits() && !material.is_light());
 }
 
 #[test]
@@ -258,6 +259,16 @@ fn broken_pictures_are_named_and_replaced_by_something_visible() {
         let textures = json!([{ "extensions": { name: { "source": 0 } } }]);
         textured(json!({ "index": 0 }), |document| document["textures"] = textures.clone())
     };
+    for (field, otherwise) in
+        [("normalTexture", "no relief is shown"), ("occlusionTexture", "no ambient light is kept")]
+    {
+        let (material, warnings) = textured(json!({ "index": 0 }), |document| {
+            document["images"][0] = json!({ "uri": "gone.png" });
+            document["materials"][0] = json!({ field: { "index": 0 } });
+        });
+        assert!(material.normal.is_none() && material.occlusion.is_none());
+        assert!(warnings.len() == 1 && warnings[0].contains(otherwise), "{warnings:?}");
+    }
     let (material, warnings) = only("MSFT_texture_dds");
     assert!(checker(&material.reflectance) && warnings[0].contains("DDS"), "{warnings:?}");
     let (material, warnings) = only("KHR_texture_basisu");
