@@ -19,36 +19,51 @@ pub(crate) fn search<const ANY: bool>(
     filter: &dyn HitFilter,
     (rays, hits, known): (&[Ray], &mut [Hit], bool),
 ) {
-    if !tree.nodes.is_empty() {
-        level.run(Batch::<_, ANY> { tree, others, filter, rays, hits, known });
+    if tree.nodes.is_empty() {
+        return;
+    }
+    let flags = filter.flags();
+    let walk = Walk { tree, others, filter, flags, rays, hits: &mut *hits };
+    let strays = level.run(Together::<_, ANY> { walk, known });
+    if let Some(strays) = strays.filter(|strays| !strays.is_empty()) {
+        let walk = Walk { tree, others, filter, flags, rays, hits };
+        level.run(InTurns::<_, ANY> { walk, strays });
     }
 }
 
-struct Batch<'a, O, const ANY: bool> {
-    tree: &'a Tree,
-    others: &'a O,
-    filter: &'a dyn HitFilter,
-    rays: &'a [Ray],
-    hits: &'a mut [Hit],
+/// Answers rays, but for those that are returned.
+struct Together<'a, O, const ANY: bool> {
+    walk: Walk<'a, O>,
     known: bool,
 }
 
-impl<O: Others, const ANY: bool> Kernel for Batch<'_, O, ANY> {
+impl<O: Others, const ANY: bool> Kernel for Together<'_, O, ANY> {
+    type Output = Option<Strays>;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> Option<Strays> {
+        const RAYS: usize = GROUPS * LANES;
+        let Walk { tree, others, filter, flags, rays, hits } = self.walk;
+        let (mut tile, mut strays) = (Tile::new(simd), Strays::through::<S>(tree));
+        for (i, (rays, hits)) in rays.chunks(RAYS).zip(hits.chunks_mut(RAYS)).enumerate() {
+            let walk = Walk { tree, others, filter, flags, rays, hits };
+            tile.answer::<O, ANY>(walk, self.known, (RAYS * i, strays.as_mut()));
+        }
+        strays
+    }
+}
+
+/// Answers those.
+struct InTurns<'a, O, const ANY: bool> {
+    walk: Walk<'a, O>,
+    strays: Strays,
+}
+
+impl<O: Others, const ANY: bool> Kernel for InTurns<'_, O, ANY> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        const RAYS: usize = GROUPS * LANES;
-        let Self { tree, others, filter, rays, hits, known } = self;
-        let flags = filter.flags();
-        let (mut tile, mut strays) = (Tile::new(simd), Strays::through::<S>(tree));
-        for (i, (rays, hits)) in rays.chunks(RAYS).zip(hits.chunks_mut(RAYS)).enumerate() {
-            let walk = Walk { tree, others, filter, flags, rays, hits };
-            tile.answer::<O, ANY>(walk, known, (RAYS * i, strays.as_mut()));
-        }
-        if let Some(strays) = strays {
-            let walk = Walk { tree, others, filter, flags, rays, hits };
-            strays.answer::<S, O, ANY>(simd, walk);
-        }
+        self.strays.answer::<S, O, ANY>(simd, self.walk);
     }
 }

@@ -49,12 +49,14 @@ impl Strays {
         }
     }
 
+    /// Whether there are none.
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.iter().all(Vec::is_empty)
+    }
+
     /// Answers them; they are numbers of `walk`'s rays.
     #[inline(always)]
     pub(super) fn answer<S: Simd, O: Others, const ANY: bool>(&self, simd: S, walk: Walk<O>) {
-        if self.0.iter().all(Vec::is_empty) {
-            return;
-        }
         let mut walkers = std::array::from_fn(|_| Walker::nowhere(simd));
         let mut stream = Stream::new(simd, walk, &mut walkers);
         for (octant, rays) in self.0.iter().enumerate() {
