@@ -1,9 +1,9 @@
 //! Tracing against an oracle, and the promises about closed meshes and about rays that leave surfaces.
 
 use super::{BuildQuality, MeshPart, Part, World};
-use crate::geometry::{Hit, Ray};
-use crate::kernels::HitFilter;
-use crate::scene::description::{Mesh, Motion};
+use crate::geometry::{Analytic, Hit, Ray};
+use crate::kernels::{HitFilter, PARTLY_THERE};
+use crate::scene::description::{Mesh, Motion, Plane, Sphere};
 use crate::simd::Level;
 use crate::testing::{Random, bumpy_sphere, icosphere};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
@@ -212,6 +212,65 @@ fn rays_that_go_together_find_what_each_finds_alone() {
             let mut occluded = Vec::new();
             world.occluded(&rays, &Everything, &mut occluded);
             assert!(occluded.iter().zip(&alone).all(|(occluded, hit)| *occluded == hit.is_some()));
+        }
+    }
+}
+
+/// Every third primitive has a hole, for rays from one side.
+struct Holes;
+
+impl HitFilter for Holes {
+    fn flags(&self) -> u32 {
+        PARTLY_THERE
+    }
+
+    fn accepts(&self, _: &Ray, hit: &Hit, from_behind: bool) -> bool {
+        from_behind || hit.primitive % 3 != 1
+    }
+}
+
+/// Triangles of the world's own tree and of another, a ball and a plane without end.
+fn world_of_all_kinds() -> World {
+    let mesh = Arc::new(bumpy_sphere(30));
+    let part = |seed, instanced, flags| {
+        Part::Mesh(MeshPart::new(Arc::clone(&mesh), skewed(seed), instanced, flags))
+    };
+    let ball = Analytic::sphere(&Sphere::default(), &DAffine3::from_translation(DVec3::X));
+    let plane = Analytic::plane(&Plane::default(), &DAffine3::from_translation(-2.5 * DVec3::Z));
+    let parts = vec![
+        part(1, false, PARTLY_THERE),
+        part(2, true, 0),
+        part(3, true, PARTLY_THERE),
+        Part::Analytic(ball, PARTLY_THERE),
+        Part::Analytic(plane, 0),
+    ];
+    World::build(parts, vec![None; 5], Level::detect(), BuildQuality::Final)
+}
+
+#[test]
+fn rays_in_batches_of_all_sizes_find_what_each_finds_alone() {
+    let mut rays = random_rays(3000, 17);
+    for (i, ray) in rays.iter_mut().enumerate() {
+        ray.t_min = if i % 5 == 0 { 3.0 } else { 0.0 };
+        ray.t_max = if i % 7 == 0 { 4.5 } else { f32::INFINITY };
+    }
+    let mut world = world_of_all_kinds();
+    let (mut alone, mut hits, mut occluded) = (Vec::new(), Vec::new(), Vec::new());
+    for ray in &rays {
+        world.closest_hits(&[*ray], &Holes, &mut hits);
+        alone.push(hits[0]);
+    }
+    let met = |surface| alone.iter().filter(|hit| hit.surface == surface).count();
+    assert!((0..5).all(|surface| met(surface) > 30));
+    for level in Level::all() {
+        world = world.at_level(level);
+        for size in [1, 7, 9, 17, 64, 65, 1000, 3000] {
+            for (rays, alone) in rays.chunks(size).zip(alone.chunks(size)) {
+                world.closest_hits(rays, &Holes, &mut hits);
+                assert_eq!(hits, alone, "{level:?}, {size}");
+                world.occluded(rays, &Holes, &mut occluded);
+                assert!(occluded.iter().zip(alone).all(|(any, hit)| *any == hit.is_some()));
+            }
         }
     }
 }
