@@ -261,8 +261,10 @@ impl Maker<'_> {
     fn reflectance(&mut self, mtl: &Mtl, opacity: f32) -> Texture {
         let color = self.diffuse(mtl);
         let Some(map) = &mtl.diffuse_map else { return self.texture(color, opacity, None) };
-        let alpha = mtl.opacity_map.as_ref().filter(|_| masks_itself(mtl));
         let factor = color.extend(opacity).to_array();
+        let as_it_is = self.picture(factor, map, None, SQUARES);
+        let cut_out = masks_itself(mtl) && self.pictures.is_transparent(&as_it_is);
+        let alpha = mtl.opacity_map.as_ref().filter(|_| cut_out);
         self.picture(factor, map, color_range(map, alpha), SQUARES)
     }
 
@@ -311,7 +313,7 @@ impl Maker<'_> {
         masks_itself(mtl) && self.pictures.is_transparent(reflectance)
     }
 
-    /// A map_d that is another picture than map_Kd: its alpha if it has one, else how bright it is.
+    /// A map_d that is another picture than map_Kd, or one of its colours: its alpha if it has one, else how bright it is.
     fn mask(&mut self, mtl: &Mtl) -> Option<Scalar> {
         let map = mtl.opacity_map.as_ref().filter(|_| !masks_itself(mtl))?;
         let as_it_is = self.picture([1.0; 4], map, None, UNCUT);

@@ -424,14 +424,16 @@ fn heights_may_be_of_any_channel_and_range() {
 #[test]
 fn channels_and_ranges_reach_alpha_and_sheen() {
     let mtl = "newmtl a\nmap_Ps -imfchan b -mm 0.1 0.5 layers.png\nmap_d -mm 1 -1 layers.png\n\
-        newmtl b\nmap_d -imfchan l layers.png\nnewmtl c\nmap_Kd layers.png\nmap_d -mm 1 -1 layers.png\n";
+        newmtl b\nmap_d -imfchan l layers.png\nnewmtl c\nmap_Kd layers.png\nmap_d -mm 1 -1 layers.png\n\
+        newmtl d\nmap_Kd solid.png\nmap_d -mm 1 -1 solid.png\n";
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("m.mtl"), mtl).unwrap();
     write_picture(&folder.path().join("layers.png"), [51, 102, 204, 153]);
-    let faces = "usemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\nusemtl c\nf 1 2 3\n";
+    write_picture(&folder.path().join("solid.png"), [51, 102, 204, 255]);
+    let faces = "usemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\nusemtl c\nf 1 2 3\nusemtl d\nf 1 2 3\n";
     let text = format!("mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n{faces}");
     let scene = load_in(folder.path(), &text).0.unwrap();
-    let [a, b, c] = &scene.materials[..] else { panic!("there are three") };
+    let [a, b, c, d] = &scene.materials[..] else { panic!("there are four") };
     let texel = |texture: &Texture| {
         let Pattern::Image { image, .. } = texture.pattern else { panic!("{texture:?}") };
         crate::shading::texture::texel(&scene.images[image], 0, Role::Data)
@@ -450,4 +452,6 @@ fn channels_and_ranges_reach_alpha_and_sheen() {
     assert_eq!((opacity(c), c.alpha), (None, Alpha::Blend));
     close(texel(&c.reflectance).w, 0.4);
     close(texel(&c.reflectance).x, crate::color::srgb_decode(0.2));
+    // Without alpha there is nothing to turn round.
+    assert_eq!((opacity(d), d.alpha, texel(&d.reflectance).w), (None, Alpha::Opaque, 1.0));
 }
