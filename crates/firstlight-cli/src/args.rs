@@ -279,7 +279,8 @@ pub(crate) struct RelightArgs {
     /// Keep only these lights; may be repeated
     #[arg(long, value_name = "NAME", conflicts_with = "light")]
     pub only: Vec<String>,
-    /// Stops of exposure, or auto [default: as the picture was to be shown]
+    /// Stops of exposure, or auto, in place of those that the picture was rendered with
+    /// [default: as it was rendered]
     #[arg(long, value_name = "EV|auto", value_parser = exposure, allow_hyphen_values = true)]
     pub exposure: Option<Exposure>,
     /// How bright light is shown [default: as the picture was to be shown]
@@ -723,7 +724,9 @@ fn relit(text: &str) -> Parsed<(String, Rgb)> {
         "off" => Rgb::ZERO,
         "on" => Rgb::ONE,
         factor => match factor.parse::<f32>() {
-            Ok(number) if number < 0.0 => return Err("a factor is not negative".into()),
+            Ok(number) if number < 0.0 => {
+                return Err("a factor is not negative; 0 or off takes the light away".into());
+            }
             Ok(number) if number.is_finite() => Rgb::splat(number),
             _ => {
                 let [r, g, b, _] = firstlight::color::parse(factor)

@@ -5,7 +5,8 @@ use crate::output::{print, print_json};
 use crate::{Exit, Failure, Outcome, drawing, report};
 use firstlight::diagnostic::{Diagnostic, visible};
 use firstlight::explain::{
-    Explanation, Lighting, Met, Shown, Step, Term, Verdict, differences, explain, light_names,
+    Explanation, Lighting, Met, Shadow, Shown, Step, Term, Verdict, differences, explain,
+    light_names,
 };
 use firstlight::io::{self, Warnings};
 use firstlight::render::{RenderOptions, render, with_threads};
@@ -130,7 +131,26 @@ impl Text<'_> {
             let gives = triple(*radiance);
             writeln!(f, "{:<12} {} gives {gives} W/(sr m²)", "", visible(source))?;
         }
-        step.lights.iter().try_for_each(|light| self.light(f, light))
+        step.lights.iter().try_for_each(|light| {
+            self.light(f, light)?;
+            if number == 0 { self.rays_to(f, &light.source) } else { Ok(()) }
+        })
+    }
+
+    /// What became of all shadow rays to a light from the surface that most samples met.
+    fn rays_to(&self, f: &mut Formatter<'_>, light: &str) -> fmt::Result {
+        let of_light = |shadow: &&Shadow| shadow.source == light && shadow.rays > 1;
+        let Some(shadow) = self.explanation.shadows.iter().find(of_light) else { return Ok(()) };
+        let Shadow { rays, blocked, blocker: Some(by), distance: Some(distance), .. } = shadow
+        else {
+            return Ok(());
+        };
+        let (by, away) = (visible(by), units::format(*distance, "m"));
+        writeln!(
+            f,
+            "{:<12}   {blocked} of {rays} shadow rays of this pixel are blocked, mostly by '{by}', on average after {away}",
+            ""
+        )
     }
 
     fn met(&self, f: &mut Formatter<'_>, met: &Met) -> fmt::Result {
@@ -178,22 +198,9 @@ impl Text<'_> {
         if let Some(cos) = light.cos {
             write!(f, ", cos θ {}", digits(cos))?;
         }
-        writeln!(f, ": {}", verdict(&light.verdict))?;
+        writeln!(f, ": {}", verdict(light))?;
         if light.irradiance != [0.0; 3] {
-            let lux = units::format(light.illuminance, "lx");
-            let arrives = match light.verdict {
-                Verdict::Tinted { .. } => {
-                    format!(" before, {} after panes and fog", units::format(light.arriving, "lx"))
-                }
-                _ => " on the surface".into(),
-            };
-            let sampled = if light.sampled { ", for this sample" } else { "" };
-            writeln!(
-                f,
-                "{:<12}   E = {} W/m² = {lux}{arrives}{sampled}",
-                "",
-                triple(light.irradiance)
-            )?;
+            irradiance(f, light)?;
         }
         if light.radiance != [0.0; 3] {
             let (bsdf, radiance) = (triple(light.bsdf), triple(light.radiance));
@@ -239,30 +246,42 @@ impl Text<'_> {
             );
         };
         self.light(f, light)?;
-        for shadow in self.explanation.shadows.iter().filter(|shadow| shadow.source == name) {
-            let (rays, blocked) = (shadow.rays, shadow.blocked);
-            let by = shadow
-                .blocker
-                .as_deref()
-                .map_or(String::new(), |by| format!(", mostly by '{}'", visible(by)));
-            writeln!(
-                f,
-                "{:<12}   {blocked} of {rays} shadow rays of this pixel are blocked{by}",
-                ""
-            )?;
-        }
+        self.rays_to(f, name)?;
         let share = percent(light.share);
-        writeln!(
-            f,
-            "\nlight '{}' makes {share} of the pixel: {}",
-            visible(name),
-            verdict(&light.verdict)
-        )
+        writeln!(f, "\nlight '{}' makes {share} of the pixel: {}", visible(name), verdict(light))
     }
 }
 
-fn verdict(verdict: &Verdict) -> String {
-    match verdict {
+/// What arrives of a light, and by what chance that stands for more.
+fn irradiance(f: &mut Formatter<'_>, light: &Lighting) -> fmt::Result {
+    let Lighting { irradiance, illuminance, arriving_irradiance, arriving, .. } = light;
+    let (lux, arriving) = (units::format(*illuminance, "lx"), units::format(*arriving, "lx"));
+    let (e, lux, note) = match light.verdict {
+        Verdict::Tinted { .. } => {
+            (arriving_irradiance, arriving, format!(" on the surface, {lux} before panes and fog"))
+        }
+        Verdict::Blocked { .. } => (irradiance, lux, ", were nothing in the way".into()),
+        _ => (irradiance, lux, " on the surface".into()),
+    };
+    let sampled = match light.solid_angle {
+        Some(sr) => format!(", by this sample for {} sr", digits(sr)),
+        None if light.sampled => ", by this sample".into(),
+        None => String::new(),
+    };
+    writeln!(f, "{:<12}   E = {} W/m² = {lux}{note}{sampled}", "", triple(*e))?;
+    if light.weight < 1.0 {
+        let weight = digits(light.weight);
+        writeln!(f, "{:<12}   × {weight}: the rest is left to rays that meet it by chance", "")?;
+    }
+    if light.chance < 1.0 {
+        let (chance, times) = (percent(light.chance.into()), digits(light.chance.recip()));
+        writeln!(f, "{:<12}   × {times}: it was asked for all, with a chance of {chance}", "")?;
+    }
+    Ok(())
+}
+
+fn verdict(light: &Lighting) -> String {
+    match &light.verdict {
         Verdict::Lit => "nothing is in the way".into(),
         Verdict::Tinted { passed } => {
             format!("passes through panes or fog that leave {}", triple(*passed))
@@ -271,6 +290,9 @@ fn verdict(verdict: &Verdict) -> String {
         Verdict::Blocked { by, distance, at } => {
             let away = units::format((*distance).into(), "m");
             format!("blocked by '{}' after {away}, at {}", visible(by), triple(*at))
+        }
+        Verdict::FacesAway if light.kind == "environment" => {
+            "this sample looks for it below the surface's horizon".into()
         }
         Verdict::FacesAway => "behind the surface, which faces away from it".into(),
         Verdict::InsideOfIt => "this is inside of its sphere, where it gives nothing".into(),
@@ -298,10 +320,16 @@ fn comparison(first: &Explanation, second: &Explanation) -> String {
         let [r, g, b] = e.shown.code;
         format!("{x},{y} on {on}: {}, {r}, {g}, {b} of 255", units::format(e.luminance, "nit"))
     };
+    let mut differences = differences(first, second);
+    differences.retain(|difference| difference.radiance != [0.0; 3]);
     // Writing to a string cannot fail.
-    let _ =
-        writeln!(text, "{}\n{}\n\nwhat the second has more, W/(sr m²)", name(first), name(second));
-    for difference in differences(first, second) {
+    let _ = writeln!(text, "{}\n{}\n", name(first), name(second));
+    let _ = match (differences.is_empty(), first.terms.is_empty()) {
+        (true, true) => writeln!(text, "nothing differs: no light comes from either"),
+        (true, false) => writeln!(text, "nothing differs: the same light comes from both"),
+        (false, _) => writeln!(text, "what the second has more, W/(sr m²)"),
+    };
+    for difference in differences {
         let rgb = triple(difference.radiance.map(|x| x as f32));
         let (source, way) = (visible(&difference.source), way(difference.reflections));
         let share = percent(difference.share);

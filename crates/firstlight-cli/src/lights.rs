@@ -58,9 +58,13 @@ fn as_text(args: &LightsArgs, passport: &Passport) -> String {
     };
     let [x, y, z] = passport.middle.to_array().map(|x| units::format(x, "m"));
     let efficacy = units::format(passport.luminous_efficacy, "lm/W");
+    let on = passport.surface.as_deref().map_or(String::new(), |surface| {
+        format!("on \"{}\", where the camera looks at ", visible(surface))
+    });
     let head = format!(
-        "{}: {efficacy}; irradiance and illuminance are those in the middle of the scene, ({x}, {y}, {z}), with nothing in between\n",
-        visible(&args.picture.input.name())
+        "{}: {efficacy}; irradiance and illuminance are those {}the middle of the scene, ({x}, {y}, {z}), with nothing in between\n",
+        visible(&args.picture.input.name()),
+        if on.is_empty() { "in " } else { &on }
     );
     let lights: String = rows.iter().map(line).collect();
     let none = if passport.lights.is_empty() { "there are no lights\n" } else { "" };
@@ -121,6 +125,7 @@ fn as_json(args: &LightsArgs, passport: &Passport, warnings: &Warnings) -> Value
         "scene": args.picture.input.name(),
         "luminous_efficacy": efficacy,
         "middle_m": passport.middle.to_array(),
+        "surface": passport.surface,
         "lights": passport.lights.iter().map(light).collect::<Value>(),
         "warnings": report::as_json(warnings),
     })

@@ -33,7 +33,9 @@ pub(crate) fn run(args: &RelightArgs) -> Outcome {
     output.write(&bytes)?;
     if !args.quiet {
         let (name, width, height) = (output.name(), image.width(), image.height());
-        let line = format!("wrote {name}: {width}×{height}, exposure {exposure_ev:+} EV");
+        let before = file.exposure_ev.filter(|_| args.exposure.is_some());
+        let before = before.map_or(String::new(), |ev| format!(" in place of {ev:+}"));
+        let line = format!("wrote {name}: {width}×{height}, exposure {exposure_ev:+} EV{before}");
         report::line(visible(&line));
     }
     Ok(Exit::Done)

@@ -126,6 +126,18 @@ impl Camera {
         }
     }
 
+    /// The ray, at time 0, on which a point is seen from the middle of the lens; it ends there.
+    pub(crate) fn ray_to(&self, point: DVec3) -> Ray {
+        let forward = self.forward.as_dvec3();
+        let origin = match self.lens {
+            Lens::Parallel => point - (point - self.position).dot(forward).max(0.0) * forward,
+            Lens::Pinhole | Lens::Thin { .. } => self.position,
+        };
+        let direction = (point - origin).normalize_or(forward).as_vec3();
+        let t_max = point.distance(origin) as f32;
+        Ray { t_max, ..Ray::new(origin.as_vec3(), direction) }
+    }
+
     /// The part of the scene's time that has passed at a moment between the shutter's opening and its closing, 0..1.
     #[inline(always)]
     pub(crate) fn time(&self, moment: f32) -> f32 {

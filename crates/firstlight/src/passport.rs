@@ -8,7 +8,7 @@ use crate::scene::description::{
     CameraLightAmount, EnvironmentDescription, Light as Described, LightDescription, Material,
     SceneDescription, Sky, SpotFalloff, Surface,
 };
-use crate::scene::{Scene, StopsLight, bounds, light_middle};
+use crate::scene::{Scene, Solid, StopsLight, bounds, light_middle};
 use crate::shading::light::Light;
 use crate::shading::light::area::AreaLight;
 use crate::shading::light::environment::Environment;
@@ -25,8 +25,11 @@ const RADIANCE: &str = "W/(sr m²)";
 /// All lights of a scene.
 #[derive(Debug, Clone)]
 pub struct Passport {
-    /// The middle of everything that has an end, m; the origin if nothing has.
+    /// Where light is reckoned, m: in the middle of everything that has an end (the origin if nothing has), or where the
+    /// camera sees what is before that.
     pub middle: DVec3,
+    /// The surface that is there, if it is not in the open.
+    pub surface: Option<String>,
     /// Lumens per watt, by which one becomes the other.
     pub luminous_efficacy: f64,
     /// The lights: those of the file in its order, the environment, then surfaces that emit.
@@ -48,7 +51,7 @@ pub struct Entry {
     pub intensity: Option<Rgb>,
     /// What its surface gives per area and direction, on average, W·sr⁻¹·m⁻².
     pub radiance: Option<Rgb>,
-    /// Irradiance that it would cause in the middle if nothing stood in between, W·m⁻²: of a surface that faces it; of a
+    /// Irradiance that it would cause in that middle if nothing stood in between, W·m⁻²: of a surface that faces it; of a
     /// horizontal one, if it is all around.
     pub irradiance: Rgb,
     /// The part of that which is kept off, 0..1, and by which surface most.
@@ -68,11 +71,26 @@ impl Passport {
     pub fn new(description: &SceneDescription, scene: &Scene) -> Self {
         let ends = bounds(description);
         let middle = ends.map_or(DVec3::ZERO, |[lo, hi]| 0.5 * (lo + hi));
+        let (middle, surface) = in_sight(scene, middle);
+        let surface = surface.map(|number| description.surfaces[number as usize].name.clone());
         let maker = Maker { description, scene, middle };
         let mut lights: Vec<_> = description.lights.iter().map(|l| maker.light(l)).collect();
         lights.extend(scene.environment.as_ref().map(|(sky, _)| maker.environment(sky)));
         lights.extend(maker.surfaces());
-        Self { middle, luminous_efficacy: description.luminous_efficacy.0, lights }
+        Self { middle, surface, luminous_efficacy: description.luminous_efficacy.0, lights }
+    }
+}
+
+/// A point, or the one before it, and on which surface, if the camera does not see it: in the inside of things it is always dark.
+fn in_sight(scene: &Scene, point: DVec3) -> (DVec3, Option<u32>) {
+    let (ray, mut hits) = (scene.camera().ray_to(point), Vec::new());
+    scene.world.closest_hits(&[ray], &Solid(scene), &mut hits);
+    match hits.first().filter(|hit| hit.is_some()) {
+        Some(hit) => {
+            let start = scene.interaction(&ray, hit).ray_origin();
+            (start.as_dvec3(), Some(hit.surface))
+        }
+        None => (point, None),
     }
 }
 

@@ -3,6 +3,27 @@
 /// Longer words are not compared: nobody mistypes them, and the comparison costs their product.
 const LONGEST_WORD: usize = 64;
 
+/// What things are called elsewhere, and here.
+const ELSEWHERE: &[(&str, &str)] = &[
+    ("albedo", "reflectance"),
+    ("base_color", "reflectance"),
+    ("diffuse_color", "reflectance"),
+    ("emissive", "emission"),
+    ("emissive_color", "emission"),
+    ("fog", "medium"),
+    ("glass", "dielectric"),
+    ("hdri", "image"),
+    ("ior", "index"),
+    ("look_at", "target"),
+    ("metal", "conductor"),
+    ("origin", "position"),
+    ("ortho", "orthographic"),
+    ("pbr", "principled"),
+    ("plastic", "principled"),
+    ("smoke", "medium"),
+    ("spp", "samples"),
+];
+
 /// The candidate most like `word`, if one is near enough to be meant.
 pub(crate) fn nearest<'a>(
     word: &str,
@@ -12,6 +33,14 @@ pub(crate) fn nearest<'a>(
         return None;
     }
     let word = word.to_lowercase();
+    let mut candidates: Vec<_> = candidates.into_iter().collect();
+    let here = ELSEWHERE.iter().find(|(elsewhere, here)| {
+        *elsewhere == word && candidates.iter().any(|candidate| candidate == here)
+    });
+    if let Some((_, here)) = here {
+        candidates.retain(|candidate| candidate == here);
+        return candidates.first().copied();
+    }
     let allowed = (word.chars().count() / 3).clamp(1, 3);
     candidates
         .into_iter()
@@ -57,6 +86,8 @@ mod tests {
         assert_eq!(nearest("psoition", known), Some("position"));
         assert_eq!(nearest("Power", known), Some("power"));
         assert_eq!(nearest("radiance", known), None);
+        assert_eq!(nearest("metal", ["mirror", "conductor"]), Some("conductor"));
+        assert_eq!(nearest("metal", ["metals", "mirror"]), Some("metals"));
         assert_eq!(nearest(&"x".repeat(1 << 20), known), None);
     }
 

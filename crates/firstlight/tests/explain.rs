@@ -122,6 +122,50 @@ fn fog_takes_from_what_arrives() {
     assert!(!key.sampled);
 }
 
+/// E of a light with an extent is L cos θ Ω, wherever the sample is; what multiple importance sampling leaves to chance stands
+/// beside it.
+#[test]
+fn light_from_a_panel_can_be_reckoned_by_hand() {
+    let panel = "surfaces.panel={quad={corner=[-0.1, 2.9, 4], edge_u=[0, 0.2, 0], edge_v=[0.2, 0, 0]}, light={radiance=50}}";
+    let off = "lights.key.point.intensity=0";
+    for integrator in ["integrator=path", "integrator=direct"] {
+        let explanation = middle(BOARD, &[panel, off, integrator]);
+        let panel = explanation.path[0].lights.iter().find(|light| light.source == "panel");
+        let panel = panel.unwrap();
+        // 0.04 m² about 5 m away, both cosines about 4/5.
+        let distance = f64::from(panel.distance.unwrap());
+        let (cos, solid_angle) = (4.0 / distance, 0.04 * 4.0 / distance.powi(3));
+        let near = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 2e-3, "{a} is not {b}");
+        assert!((distance - 5.0).abs() < 0.2);
+        near(panel.solid_angle.unwrap().into(), solid_angle);
+        near(panel.irradiance[0].into(), 50.0 * cos * solid_angle);
+        near(panel.arriving, 683.0 * 50.0 * cos * solid_angle);
+        // The floor picks directions with cos θ/π.
+        let density = 1.0 / solid_angle;
+        near((1.0 - panel.weight).into(), cos / PI / (cos / PI + density));
+        let given = f64::from(panel.irradiance[0] * panel.bsdf[0] * panel.weight);
+        assert!((f64::from(panel.radiance[0]) / given - 1.0).abs() < 1e-4, "{panel:?}");
+        assert_eq!(panel.chance, 1.0);
+    }
+}
+
+/// A light that was picked for all is told as it is, with the chance that it had.
+#[test]
+fn lights_picked_for_all_say_with_what_chance() {
+    let lamps = (0..40).map(|i| format!("lights.l{i}.point={{position=[{i}, 0, 3], intensity=2}}"));
+    let lamps: Vec<_> = lamps.collect();
+    let lamps: Vec<_> = lamps.iter().map(String::as_str).chain(["integrator=path"]).collect();
+    let explanation = middle(BOARD, &lamps);
+    let picked = explanation.path[0].lights.iter().find(|light| light.radiance[0] > 0.0).unwrap();
+    let squared = f64::from(picked.distance.unwrap()).powi(2);
+    let intensity = if picked.source == "key" { 100.0 } else { 2.0 };
+    let by_hand = intensity * f64::from(picked.cos.unwrap()) / squared;
+    assert!((f64::from(picked.irradiance[0]) / by_hand - 1.0).abs() < 1e-4, "{picked:?}");
+    assert!(picked.chance < 1.0);
+    let given = picked.irradiance[0] * picked.bsdf[0] / picked.chance;
+    assert!((picked.radiance[0] / given - 1.0).abs() < 1e-4, "{picked:?}");
+}
+
 /// The last line speaks of all samples: light that came by a mirror, and from all around, is not told as none.
 #[test]
 fn little_light_is_told_as_what_leaves() {
@@ -151,6 +195,25 @@ fn values_are_those_that_were_used() {
     for (told, used) in told.iter().zip(key.bsdf) {
         assert!((f64::from(*told) / (PI * f64::from(used)) - 1.0).abs() < 1e-4, "{told} {used}");
     }
+}
+
+/// The same after a mirror, where what is seen is wider than at first.
+#[test]
+fn values_behind_mirrors_are_those_that_were_used() {
+    let more = [
+        "integrator=path",
+        "surfaces.ceiling.quad={corner=[-9, -9, 8], edge_u=[18, 0, 0], edge_v=[0, 18, 0]}",
+        "surfaces.ceiling.material=tiles",
+        "materials.tiles.lambert.reflectance={checker={colors=[0.9, 0.1], size=0.001}}",
+    ];
+    let mirror = BOARD.replace("lambert = { reflectance = 0.5 }", "mirror = {}");
+    let explanation = middle(&mirror, &more);
+    let step = &explanation.path[1];
+    let key = step.lights.iter().find(|light| light.source == "key").unwrap();
+    let told = step.met.as_ref().unwrap().values[0].value[0];
+    let used = PI * f64::from(key.bsdf[0]);
+    assert!((f64::from(told) / used - 1.0).abs() < 1e-4, "{told} {used}");
+    assert!(told > 0.11 && told < 0.89, "{told} is not filtered");
 }
 
 /// Lights with an extent that shine elsewhere: they are above the horizon.

@@ -32,6 +32,32 @@ fn near(value: f32, expected: f64) {
     assert!((f64::from(value) / expected - 1.0).abs() < 2e-3, "{value} is not {expected}");
 }
 
+/// The middle of a single model is inside of it: light is reckoned where the camera sees it.
+#[test]
+fn models_are_lit_from_outside() {
+    let view = "camera.perspective = { position = [0, -9, 0], target = [0, 0, 0] }";
+    let balls = |radius: f32, view: &str| {
+        let lamp =
+            |name, y| format!("lights.{name}.point = {{ position = [0, {y}, 0], power = 10 }}\n");
+        let (near, far) = (lamp("near", -6), lamp("far", 6));
+        let text = format!("surfaces.ball.sphere.radius = {radius}\n{view}\n{near}{far}");
+        let access = FileAccess::beside(Path::new("scene.toml"), &[]);
+        let scene = scene_file::read(&text, "scene.toml", &[], &access, &mut Vec::new()).unwrap();
+        Passport::new(&scene, &Scene::build(&scene))
+    };
+    for view in [view, &view.replace("perspective = {", "orthographic = { height = 8,")] {
+        let passport = balls(2.0, view);
+        assert_eq!(passport.surface.as_deref(), Some("ball"));
+        assert!(passport.middle.distance(DVec3::new(0.0, -2.0, 0.0)) < 1e-3, "{}", passport.middle);
+        let [near_one, far_one] = &passport.lights[..] else { panic!() };
+        assert_eq!((&near_one.blocked, &far_one.blocked), (&None, &Some((1.0, "ball".into()))));
+        near(near_one.irradiance.x, 10.0 / (4.0 * PI) / 16.0);
+    }
+    // A camera in a room sees its middle.
+    let inside = balls(20.0, view);
+    assert_eq!((inside.middle, inside.surface), (DVec3::ZERO, None));
+}
+
 /// What the author wrote, or the same number where that is not kept.
 #[test]
 fn every_light_has_its_value() {

@@ -56,6 +56,31 @@ fn pixels_outside_are_refused() {
     folder.run(&format!("{TOP} --pixel 1,1 --why-not sun")).fails(2, &["\"sun\"", "lamp"]);
 }
 
+/// Without a question, it is told how many of the pixel's shadow rays were stopped.
+#[test]
+fn blocked_rays_are_counted() {
+    let folder = Folder::new();
+    let text = folder.run("explain scene.toml --camera top --spp 16 --pixel 44,16").done().text();
+    let told = text.lines().find(|line| line.contains(" of 16 shadow rays")).unwrap_or(&text);
+    assert!(told.contains("blocked, mostly by 'ball', on average after"), "{text}");
+    let text = folder.run("explain scene.toml --camera top --spp 16 --pixel 24,8").done().text();
+    assert!(!text.contains("shadow rays"), "{text}");
+}
+
+/// An environment is all around: no surface faces away from it.
+#[test]
+fn samples_below_the_horizon_are_told_as_such() {
+    let folder = Folder::new();
+    let line =
+        "--camera top --spp 4 -D environment.uniform.radiance=1 -D lights.lamp.point.power=0";
+    let all: Vec<_> = (0..16)
+        .map(|x| folder.run(&format!("explain scene.toml {line} --pixel {x},4")).done().text())
+        .collect();
+    let below = |text: &&String| text.contains("looks for it below the surface's horizon");
+    assert!(all.iter().any(|text| below(&text)), "{}", all[0]);
+    assert!(!all.iter().any(|text| text.contains("'environment' (environment): behind")));
+}
+
 /// The light of a pixel in fog, by its terms: f · E, what passes to there, and what from there to the eye.
 #[test]
 fn what_fog_takes_is_told() {
@@ -98,7 +123,8 @@ fn lights_are_mixed_again() {
     folder.run("relight all.exr --only fill -o only.exr -q").done();
     assert_eq!(read("ambient.exr"), read("only.exr"));
     folder.run("render scene.toml -D luminous_efficacy=179 --aov light -o dim.exr -q").done();
-    folder.run("relight all.exr --light lamp=-1 -o x.exr").fails(2, &["lamp=-1", "not negative"]);
+    let refused = folder.run("relight all.exr --light lamp=-1 -o x.exr");
+    refused.fails(2, &["lamp=-1", "not negative", "off takes"]);
     let ran =
         folder.command("relight dim.exr -o a.png --exposure").arg("1/125 f/8 ISO 100").output();
     let told = String::from_utf8(ran.unwrap().stderr).unwrap();
@@ -123,4 +149,27 @@ fn what_is_mixed_again_looks_as_it_was_rendered() {
         folder.run("compare layers.exr plain.png").done();
         folder.run("compare plain.png layers.exr").done();
     }
+    // As in a render, an exposure is set, not added; the last line says what it was.
+    let told = folder.run("relight layers.exr --exposure +1 -o mixed.png").done().stderr;
+    assert!(told.contains("exposure +1 EV in place of +1.5"), "{told}");
+    folder
+        .run(&format!("render scene.toml --view {} --exposure 1 -o plain.png -q", last_view()))
+        .done();
+    assert!(codes("mixed.png") == codes("plain.png"));
+}
+
+fn last_view() -> &'static str {
+    firstlight::color::View::NAMES[firstlight::color::View::NAMES.len() - 1].0
+}
+
+/// Where nothing differs, a sentence says so.
+#[test]
+fn pixels_that_do_not_differ_say_so() {
+    let folder = Folder::new();
+    let dark = "-D lights.lamp.point.power=0";
+    let text = folder.run(&format!("{TOP} --pixel 1,1 --compare 2,2 {dark}")).done().text();
+    assert!(text.contains("nothing differs: no light comes from either"), "{text}");
+    let text = folder.run(&format!("{TOP} --pixel 24,8 --compare 24,8")).done().text();
+    assert!(text.contains("nothing differs: the same light comes from both"), "{text}");
+    assert!(!text.contains("has more"), "{text}");
 }

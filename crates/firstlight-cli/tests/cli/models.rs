@@ -182,6 +182,12 @@ fn a_models_own_light_and_camera_are_used_alone() {
     assert_ne!(json["exposure_ev"], 0.0);
     let fixed = folder.run("render lit.gltf -r 40x30 --json -D film.exposure=0").done().json();
     assert_eq!(fixed["exposure_ev"], 0.0);
+    // A film without an exposure in it sets none.
+    let film = |film: &str| {
+        folder.run(&format!("render lit.gltf --json -D film={{{film}}}")).done().json()
+    };
+    assert_ne!(film("samples=4,resolution=[40,30]")["exposure_ev"], 0.0);
+    assert_eq!(film("exposure=0,resolution=[40,30]")["exposure_ev"], 0.0);
     let fixed = folder.run("render lit.gltf -r 40x30 --json --exposure 1").done().json();
     assert_eq!(fixed["exposure_ev"], 1.0);
     let own = picture(&folder, "lit.gltf");

@@ -18,7 +18,7 @@ pub(super) fn tree(
 ) -> Tree {
     if references.is_empty() {
         let (nodes, blocks, words) = (Pages::new(&[]), Pages::new(&[]), Pages::new(&[]));
-        return Tree { nodes, blocks, words, bounds: Bounds::EMPTY, reach: 0.0 };
+        return Tree { nodes, blocks, words, depth: 0, bounds: Bounds::EMPTY, reach: 0.0 };
     }
     let mut binary = build(&mut references, triangles);
     drop(references);
@@ -27,13 +27,13 @@ pub(super) fn tree(
     }
     plan(&mut binary, triangles);
     let bounds = binary[0].bounds;
-    let (wide, leaves) = number(&binary);
+    let (wide, leaves, depth) = number(&binary);
     let nodes: Vec<_> = wide.par_iter().map(|wide| wide.node(&binary)).collect();
     let blocks: Vec<_> = leaves.par_iter().map(|leaf| leaf.block(&binary, triangles)).collect();
     let words: Vec<_> =
         leaves.par_iter().flat_map_iter(|leaf| leaf.words(&binary, triangles)).collect();
     let (nodes, blocks, words) = (Pages::new(&nodes), Pages::new(&blocks), Pages::new(&words));
-    Tree { nodes, blocks, words, bounds, reach: bounds.reach() }
+    Tree { nodes, blocks, words, depth, bounds, reach: bounds.reach() }
 }
 
 /// A wide node to be: the root of its part of the binary tree, and the numbers of the first node and the first block
@@ -70,11 +70,12 @@ fn kind(node: &BinaryNode) -> Kind {
 }
 
 /// All wide nodes and all leaves, in the order in which they will lie in memory: the children of a node
-/// side by side, depth first.
-fn number(binary: &[BinaryNode]) -> (Vec<Wide>, Vec<Leaf>) {
+/// side by side, depth first. And the most wide nodes on a way down.
+fn number(binary: &[BinaryNode]) -> (Vec<Wide>, Vec<Leaf>, usize) {
     let (mut wide, mut leaves) = (vec![Wide { root: 0, first_node: 0, first_block: 0 }], vec![]);
-    let (mut open, mut first_word) = (vec![0], 0);
-    while let Some(index) = open.pop() {
+    let (mut open, mut first_word, mut deepest) = (vec![(0, 1)], 0, 1);
+    while let Some((index, depth)) = open.pop() {
+        deepest = deepest.max(depth);
         let first = wide.len();
         wide[index].first_node = first as u32;
         wide[index].first_block = leaves.len() as u32;
@@ -88,9 +89,9 @@ fn number(binary: &[BinaryNode]) -> (Vec<Wide>, Vec<Leaf>) {
                 Kind::Other(_) => {}
             }
         }
-        open.extend((first..wide.len()).rev());
+        open.extend((first..wide.len()).rev().map(|child| (child, depth + 1)));
     }
-    (wide, leaves)
+    (wide, leaves, deepest)
 }
 
 impl Wide {

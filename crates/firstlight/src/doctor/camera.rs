@@ -2,6 +2,7 @@
 
 use super::{Doctor, finding, named, percent};
 use crate::diagnostic::Diagnostic;
+use crate::geometry::Hit;
 use crate::scene::description::{CameraDescription, Projection, Shape};
 use crate::units;
 use glam::DVec3;
@@ -11,6 +12,8 @@ use std::collections::BTreeSet;
 const FIELDS: [f64; 2] = [1.5, 160.0];
 /// The part of the picture's height that all surfaces together should fill.
 const SMALLEST: f64 = 0.01;
+/// The part of a scene that a parallel camera should see.
+const SPECK: f64 = 0.005;
 /// The part of all vertices that are most of them.
 const MOST: f64 = 0.85;
 /// Vertices that are looked at.
@@ -19,14 +22,56 @@ const FEW_VERTICES: usize = 1 << 14;
 const WIDEST: f64 = 2.0;
 /// The part of the picture's height over which a point may be spread by the lens.
 const BLURRED: f64 = 0.05;
+/// The part over which most of what is seen is spread if all is fog, and how much most is.
+const FOG: f64 = 0.5;
+const NEARLY_ALL: f64 = 0.75;
 
 impl Doctor<'_> {
     /// Everything that is odd about the camera in use, if the scene has one.
     pub(super) fn camera(&self) -> Vec<Diagnostic> {
         let Some(camera) = self.description.cameras.first() else { return Vec::new() };
-        let findings =
-            [field(camera), self.is_inside(camera), self.is_far(camera), self.is_blurred(camera)];
+        let findings = [
+            field(camera),
+            self.is_inside(camera),
+            self.is_behind(camera),
+            self.is_far(camera),
+            self.is_near(camera),
+            self.is_blurred(camera),
+        ];
         findings.into_iter().flatten().collect()
+    }
+
+    /// A camera behind a plane without end that fills most of what it sees, while all lights are before it.
+    pub(super) fn is_behind(&self, camera: &CameraDescription) -> Option<Diagnostic> {
+        let seen: Vec<_> = self.probes.seen().collect();
+        let plane = self.plane_before(&seen)?;
+        let tally = self.reached(&seen);
+        (tally.lit == 0 && tally.averted > 0).then(|| {
+            let message = format!(
+                "is behind plane {}, which has no end, and the lights are before it",
+                self.quoted(plane)
+            );
+            let help = "move the camera to the side of the lights";
+            finding("camera-behind", named("camera", &camera.name), message).help(help)
+        })
+    }
+
+    /// A parallel camera that sees so little that all of it is one surface.
+    fn is_near(&self, camera: &CameraDescription) -> Option<Diagnostic> {
+        let Projection::Orthographic { height } = camera.projection else { return None };
+        let [lo, hi] = self.bounds()?;
+        let size = (hi - lo).length();
+        let first = self.probes.rays.first()?;
+        let flat =
+            |hit: &Hit| (hit.surface, hit.primitive) == (first.hit.surface, first.hit.primitive);
+        let one = self.probes.rays.iter().all(|probe| flat(&probe.hit));
+        (one && height < SPECK * size).then(|| {
+            let [height, size] = [height, size].map(|length| units::format(length, "m"));
+            let message =
+                format!("sees {height} of a scene that is {size} across: all of one colour");
+            let help = "height is that of what is seen; --camera frame shows everything";
+            finding("camera-near", named("camera", &camera.name), message).help(help)
+        })
     }
 
     /// A camera that sees the inside of one surface that is no lit room, and nothing of what is outside of it.
@@ -58,12 +103,23 @@ impl Doctor<'_> {
 
     /// A camera from which all surfaces together, or nearly all triangles, are a dot.
     pub(super) fn is_far(&self, camera: &CameraDescription) -> Option<Diagnostic> {
+        if field(camera).is_some() {
+            return None;
+        }
         let all = self.bounds().filter(|_| !self.is_endless())?;
         let place = || named("camera", &camera.name);
         if let Some(dot) = dot(camera, all) {
             let message = format!("all surfaces together are {dot}");
-            return Some(finding("camera-far", place(), message)
-                .help("are the lengths of camera and models in the same unit? --camera frame shows everything"));
+            // The camera that frames everything is as near as cameras get.
+            let help = match self.description.ground.is_some() && camera.name == "frame" {
+                true => {
+                    "were the model's lengths meant in a larger unit? Say so: --unit m, or unit = \"m\""
+                }
+                false => {
+                    "are the lengths of camera and models in the same unit? --camera frame shows everything"
+                }
+            };
+            return Some(finding("camera-far", place(), message).help(help));
         }
         let dot = dot(camera, self.most_vertices()?)?;
         let [lo, hi] = all;
@@ -127,6 +183,18 @@ impl Doctor<'_> {
         let spread = |depth: f64| aperture * (1.0 / depth - 1.0 / focus_distance).abs() / height;
         let sharpest = depths.iter().map(|d| spread(*d)).fold(f64::INFINITY, f64::min);
         let middle = *depths.get(depths.len() / 2)?;
+        let foggy = depths.iter().filter(|d| spread(**d) > FOG).count();
+        if sharpest <= BLURRED && foggy as f64 > NEARLY_ALL * depths.len() as f64 {
+            let [lens, focus] = [aperture, focus_distance].map(|d| units::format(d, "m"));
+            let part = percent(foggy as f64 / depths.len() as f64);
+            let message = format!(
+                "its lens is {lens} wide: {part} of what it sees is fog, all but what is just {focus} away"
+            );
+            let help = "aperture is its diameter: that of a camera is some \"10 mm\"";
+            return Some(
+                finding("camera-focus", named("camera", &camera.name), message).help(help),
+            );
+        }
         (sharpest > BLURRED).then(|| {
             let [nearest, furthest, focus] =
                 [depths[0], depths[depths.len() - 1], focus_distance].map(|d| units::format(d, "m"));
@@ -171,6 +239,10 @@ fn field(camera: &CameraDescription) -> Option<Diagnostic> {
         let seen = if degrees < FIELDS[0] { "a telescope's" } else { "wider than any lens" };
         let message = format!("a field of view of {degrees:.3}° is {seen}");
         let help = match degrees < FIELDS[0] {
+            // Cameras of models have the model's name before their own.
+            true if camera.name.contains('/') => {
+                "in glTF, yfov is in radians: 0.7 is usual. --camera frame shows everything".into()
+            }
             true => format!("angles are in degrees; if it was meant in radians, write fov = \"{degrees:.4} rad\""),
             false => "fov is the angle from the lower to the upper edge; 40 is usual".into(),
         };

@@ -44,6 +44,26 @@ impl Doctor<'_> {
                 "give it more, or leave the number out: it is followed as far as it counts".into(),
             );
         }
+        if let Some(light) =
+            lights.iter().find(|_| lights.iter().all(LightDescription::is_near_ambient))
+        {
+            let name = named("light", &light.name);
+            return (
+                format!(
+                    "; surfaces all around are nearer than the reach of ambient {name}, and keep it out"
+                ),
+                "give it a smaller reach: it is ambient light for corners to be dark, not rooms"
+                    .into(),
+            );
+        }
+        let enclosed = |light: &LightDescription| self.enclosed(light).is_some();
+        if let Some(light) = lights.iter().find(|_| lights.iter().all(enclosed)) {
+            let name = named("light", &light.name);
+            return (
+                format!("; {name} is inside of something"),
+                "move it outside, or take its shadows".into(),
+            );
+        }
         let tally = self.reached(points);
         self.blocked(&tally).unwrap_or_else(|| self.say(&tally, points))
     }
@@ -54,7 +74,7 @@ impl Doctor<'_> {
     }
 
     /// Which lights reach these points.
-    fn reached(&self, points: &[&Witness]) -> Tally {
+    pub(super) fn reached(&self, points: &[&Witness]) -> Tally {
         let points: Vec<Witness> = points.iter().map(|point| **point).collect();
         let lights = &self.description.lights;
         let mut tally = Tally::default();
@@ -115,15 +135,6 @@ impl Doctor<'_> {
                         .into(),
                 )
             }
-            _ if tally.averted >= tally.outside && self.is_behind_plane(points) => {
-                let name = points.first().map_or(String::new(), |point| self.quoted(point.surface));
-                (
-                    format!(
-                        ": the camera is behind plane {name}, which has no end, and the lights before it"
-                    ),
-                    "move the camera to the side of the lights".into(),
-                )
-            }
             _ if tally.averted >= tally.outside => {
                 let part = percent(f64::from(tally.averted) / asked);
                 (
@@ -171,13 +182,14 @@ impl Doctor<'_> {
             .then(|| named("material", &material.name))
     }
 
-    /// Whether most points are on the back of a plane without end.
-    fn is_behind_plane(&self, points: &[&Witness]) -> bool {
+    /// The plane without end on whose back most of these points are, if there is one.
+    pub(super) fn plane_before(&self, points: &[&Witness]) -> Option<u32> {
         let is_plane = |point: &&&Witness| {
             let shape = &self.description.surfaces[point.surface as usize].shape;
             matches!(shape, Shape::Plane(_)) && !point.front
         };
-        2 * points.iter().filter(is_plane).count() >= points.len()
+        let behind: Vec<_> = points.iter().filter(is_plane).collect();
+        behind.first().filter(|_| 2 * behind.len() >= points.len()).map(|point| point.surface)
     }
 
     /// What lights whatever the camera sees.

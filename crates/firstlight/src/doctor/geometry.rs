@@ -2,11 +2,13 @@
 
 use super::probes::{Probe, Witness};
 use super::{Care, Doctor, finding, named, percent, quoted};
-use crate::bvh::Part;
+use crate::color::Rgb;
 use crate::diagnostic::Diagnostic;
-use crate::geometry::{Bounds, Ray};
-use crate::scene::description::{Cone, Cylinder, Mesh, SceneDescription, Shape, Surface};
-use crate::scene::{SeenByCamera, StopsLight};
+use crate::geometry::Bounds;
+use crate::scene::description::{
+    Cone, Cylinder, Integrator, Mesh, Scattering, SceneDescription, Shape, Surface,
+};
+use crate::units;
 use glam::{DVec3, Vec3};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -23,12 +25,10 @@ const FAR: f32 = 0.26;
 const FROM_BEHIND: f64 = 0.2;
 /// Surfaces that are looked at before every render.
 const FEW_SURFACES: usize = 4096;
-/// Shapes with a formula that are looked at.
-const FEW_SHAPES: usize = 64;
-/// Rays that must find two surfaces in each other before it is told.
-const COINCIDENT_RAYS: u32 = 3;
-/// Surfaces at distances that differ by less than this part are taken to be in the same place.
-const SAME_PLACE: f32 = 4e-6;
+/// The part of the size of something transparent that is its skin, and the optical depth of that from which on it is black:
+/// coffee in a cup has a hundredth of that.
+const SKIN: f64 = 0.01;
+const BLACK_DEPTH: f64 = 7.0;
 /// Edges with one triangle, as a part of all, that a closed mesh may have.
 const OPEN: f64 = 0.01;
 
@@ -37,113 +37,13 @@ impl Doctor<'_> {
     pub(super) fn surfaces(&self, care: Care) -> Vec<Diagnostic> {
         let count = if care == Care::Quick { FEW_SURFACES } else { usize::MAX };
         let mut found: Vec<_> = duplicates(self.description, count).into_iter().collect();
-        found.extend(self.coincident());
+        found.extend(self.coincident(care));
         found.extend(self.seen_from_behind(care));
         found.extend(meshes(self.description, care));
         found.extend(self.glass(care, count));
+        found.extend(self.dark_glass());
+        found.extend(self.few_bounces());
         found
-    }
-
-    /// Surfaces of different materials in one place: which one is seen is up to rounding. Those of one material that are all
-    /// but in one place shade each other.
-    fn coincident(&self) -> Option<Diagnostic> {
-        let seen: Vec<_> = self.probes.rays.iter().filter(|probe| probe.hit.is_some()).collect();
-        let mut pairs = BTreeMap::<[u32; 2], u32>::new();
-        for [a, b] in self.just_behind(&seen).into_iter().chain(self.at_once(&seen)) {
-            *pairs.entry([a.min(b), a.max(b)]).or_default() += 1;
-        }
-        let material = |surface: u32| self.description.surfaces[surface as usize].material;
-        let is_opaque = |surface: u32| self.description.materials[material(surface)].is_opaque();
-        pairs.retain(|[a, b], _| material(*a) != material(*b));
-        for [a, b] in self.shading_each_other() {
-            *pairs.entry([a.min(b), a.max(b)]).or_default() += 1;
-        }
-        pairs.retain(|[a, b], _| is_opaque(*a) && is_opaque(*b));
-        let ([a, b], count) = pairs.into_iter().max_by_key(|(_, count)| *count)?;
-        (count >= COINCIDENT_RAYS).then(|| {
-            let part = percent((f64::from(count) / seen.len() as f64).min(1.0));
-            let message = format!(
-                "lies in surface {} on {part} of what is seen: {}",
-                self.quoted(b),
-                match material(a) == material(b) {
-                    true => "they are so close that they shade each other",
-                    false => "which of the two shows is up to rounding",
-                }
-            );
-            finding("surfaces-coincide", self.surface(a), message)
-                .help("move one of them by a hair, or leave it out")
-        })
-    }
-
-    /// Pairs of surfaces of which a ray meets one within a rounding error behind the other.
-    fn just_behind(&self, seen: &[&Probe]) -> Vec<[u32; 2]> {
-        let beyond = |Probe { ray, hit, .. }: &&Probe| Ray {
-            t_min: hit.t,
-            t_max: hit.t * (1.0 + SAME_PLACE),
-            ..*ray
-        };
-        let (rays, mut hits) = (seen.iter().map(beyond).collect::<Vec<_>>(), Vec::new());
-        self.scene.world.closest_hits(&rays, &SeenByCamera(self.scene, 0), &mut hits);
-        let both = seen.iter().zip(&rays).zip(&hits).filter(|(_, hit)| hit.is_some());
-        let both = both.filter(|((probe, ray), hit)| {
-            let behind = self.scene.interaction(ray, hit).geometric_normal;
-            is_parallel(self.normal(probe), behind)
-        });
-        both.map(|((probe, _), hit)| [probe.hit.surface, hit.surface]).collect()
-    }
-
-    /// Pairs of surfaces of which one is seen, and the other lies before it where light would leave it.
-    fn shading_each_other(&self) -> Vec<[u32; 2]> {
-        let seen: Vec<_> = self.probes.seen().collect();
-        let near = |witness: &&Witness| SAME_PLACE * self.probes.rays[witness.probe].hit.t;
-        let leaving = |w: &&Witness| Ray { t_max: near(w), ..Ray::new(w.start, w.normal) };
-        let (rays, mut hits) = (seen.iter().map(leaving).collect::<Vec<_>>(), Vec::new());
-        self.scene.world.closest_hits(&rays, &StopsLight(self.scene, 0), &mut hits);
-        let both = seen.iter().zip(&hits).filter(|(_, hit)| hit.is_some());
-        let both = both.map(|(witness, hit)| [witness.surface, hit.surface]);
-        both.filter(|[a, b]| a != b).collect()
-    }
-
-    /// The normal of what a ray has met.
-    fn normal(&self, Probe { ray, hit, .. }: &Probe) -> Vec3 {
-        self.scene.interaction(ray, hit).geometric_normal
-    }
-
-    /// Pairs of surfaces that a ray meets at the very same distance, one of which has a formula to ask.
-    fn at_once(&self, seen: &[&Probe]) -> Vec<[u32; 2]> {
-        let parts = (0..).zip(self.scene.world.parts());
-        let analytic = parts.filter_map(|(number, part)| match part {
-            // What moves lies in others for a moment at most.
-            Part::Analytic(shape, _) if self.scene.world.motion(number).is_none() => {
-                Some((number, shape))
-            }
-            _ => None,
-        });
-        let mut pairs = Vec::new();
-        for (number, shape) in analytic.take(FEW_SHAPES) {
-            for probe in seen.iter().filter(|probe| probe.hit.surface != number) {
-                let Probe { ray, hit, .. } = probe;
-                let point = ray.origin.as_dvec3() + f64::from(hit.t) * ray.direction.as_dvec3();
-                let near = f64::from(SAME_PLACE * hit.t);
-                let normal = self.normal(probe);
-                let crossed = || {
-                    shape.crossings(ray).any(|(t, part)| {
-                        let other = || shape.point(ray, t, part).normal.as_vec3();
-                        t as f32 == hit.t && is_parallel(normal, other())
-                    })
-                };
-                let mut triangles = (0..shape.triangle_count()).map(|i| shape.triangle(i));
-                let in_triangle = |triangle: [Vec3; 3]| {
-                    let [a, b, c] = triangle;
-                    is_parallel(normal, (b - a).cross(c - a).normalize_or_zero())
-                        && contains(&triangle, point, near)
-                };
-                if crossed() || triangles.any(in_triangle) {
-                    pairs.push([hit.surface, number]);
-                }
-            }
-        }
-        pairs
     }
 
     /// One-sided surfaces that the camera sees from behind, with nothing beyond, or that are inside out.
@@ -230,6 +130,50 @@ impl Doctor<'_> {
             .collect()
     }
 
+    /// Something transparent that takes all light within a hundredth of its own size.
+    fn dark_glass(&self) -> Option<Diagnostic> {
+        let surfaces = self.description.surfaces.iter().zip(&self.boxes);
+        let mut lost = surfaces.filter_map(|(surface, around)| {
+            let material = &self.description.materials[surface.material];
+            let interior = material.interior.filter(|i| i.scattering == Rgb::ZERO)?;
+            let size = around.map(|[lo, hi]| (hi - lo).max_element())?;
+            let depth = f64::from(interior.absorption.min_element()) * SKIN * size;
+            (depth > BLACK_DEPTH).then_some((material, size))
+        });
+        let (material, size) = lost.next()?;
+        let [skin, size] = [SKIN * size, size].map(|length| units::format(length, "m"));
+        let message = format!(
+            "lets next to no light through {skin} of itself, and stands there {size} across: it is black"
+        );
+        let help = "attenuation_distance is how far light goes until it has attenuation_color, in metres: give it the size of things";
+        Some(finding("glass-dark", named("material", &material.name), message).help(help))
+    }
+
+    /// Glass or mirrors, and paths that end on them: light goes into glass, out of it, and to what is behind.
+    fn few_bounces(&self) -> Option<Diagnostic> {
+        let Integrator::Path { bounces: Some(bounces @ 1..) } = self.description.integrator else {
+            return None;
+        };
+        let needs = |witness: &Witness| {
+            let material = &self.description.materials
+                [self.description.surfaces[witness.surface as usize].material];
+            let needs = match material.scattering {
+                Scattering::Dielectric { .. } if !material.only_bounds() => 3,
+                Scattering::Mirror { .. } => 2,
+                _ => 0,
+            };
+            (needs, material)
+        };
+        let (needs, material) = self.probes.seen().map(needs).max_by_key(|(needs, _)| *needs)?;
+        (bounces < needs).then(|| {
+            let message = format!(
+                "needs paths of {needs} bounces to show what is behind or around it, and they have {bounces}: it stays dark"
+            );
+            let help = "give the integrator more bounces, or leave the number out: light is followed as far as it counts";
+            finding("bounces-few", named("material", &material.name), message).help(help)
+        })
+    }
+
     fn broken_glass(&self, surface: &Surface, care: Care) -> Option<Diagnostic> {
         let open =
             "light goes into it and never comes out: use a closed shape, or thin_glass for panes";
@@ -264,20 +208,6 @@ impl Doctor<'_> {
             _ => None,
         }
     }
-}
-
-/// Whether two unit normals are those of planes that lie in each other: surfaces that meet at an edge do not.
-fn is_parallel(a: Vec3, b: Vec3) -> bool {
-    a.dot(b).abs() > 0.999
-}
-
-/// Whether a point lies in a triangle, or off its plane by no more than `near`, m.
-fn contains(triangle: &[Vec3; 3], point: DVec3, near: f64) -> bool {
-    let [a, b, c] = triangle.map(|corner| corner.as_dvec3());
-    let normal = (b - a).cross(c - a);
-    let inside = |from: DVec3, to: DVec3| (to - from).cross(point - from).dot(normal) >= 0.0;
-    let off = (point - a).dot(normal).abs() / normal.length();
-    off <= near && inside(a, b) && inside(b, c) && inside(c, a)
 }
 
 /// Every how many triangles of a mesh are looked at.

@@ -1,5 +1,6 @@
 //! Lights that give nothing, or nothing to anything that is seen.
 
+use super::probes::Witness;
 use super::tally::{Ask, Tally, turned};
 use super::{Care, Doctor, finding, named, percent};
 use crate::color::Rgb;
@@ -24,6 +25,9 @@ const BRIGHTEST: f64 = 1e6;
 const AROUND: u32 = 64;
 /// The part of them that has to meet one surface for that to be around it.
 const MOST: f64 = 0.9;
+/// Sine of the angle under which light comes along a surface, and points of one that say so.
+const GRAZING: f64 = 1e-6;
+const MANY: u32 = 8;
 /// The part of what is seen that may lie inside of a light's sphere.
 const INSIDE: f64 = 0.1;
 
@@ -68,6 +72,7 @@ impl Doctor<'_> {
         let shining = || lights.iter().filter(|light| !is_off(light)).take(count);
         let mut found: Vec<_> = shining().filter_map(|light| self.too_bright(light)).collect();
         found.extend(shining().filter_map(|light| self.too_wide(light)));
+        found.extend(shining().filter_map(|light| self.lies_in(light)));
         if care == Care::Thorough {
             found.extend(lights.iter().filter(|light| is_off(light)).map(off));
             found.extend(factor(lights));
@@ -94,6 +99,31 @@ impl Doctor<'_> {
             light_finding("light-units", described, message)
                 .help(format!("if it was meant as seen, write irradiance = \"{number} lx\""))
         })
+    }
+
+    /// A lamp that lies in the plane of a surface that is seen: light that grazes gives nothing.
+    fn lies_in(&self, described: &LightDescription) -> Option<Diagnostic> {
+        let position = described.light.position()?;
+        let grazes = |witness: &Witness| {
+            let to_light = position - witness.position;
+            to_light.dot(witness.normal.as_dvec3()).abs() < GRAZING * to_light.length()
+        };
+        let mut counts = BTreeMap::<u32, [u32; 2]>::new();
+        for witness in self.probes.seen() {
+            let [all, grazed] = counts.entry(witness.surface).or_default();
+            *all += 1;
+            *grazed += u32::from(grazes(witness));
+        }
+        let (surface, _) =
+            counts.into_iter().find(|(_, [all, grazed])| all == grazed && *all >= MANY)?;
+        let message = format!(
+            "lies in surface {}, and gives it nothing: its light goes along it",
+            self.quoted(surface)
+        );
+        Some(
+            light_finding("light-in-surface", described, message)
+                .help("move it off the surface by as much as a lamp is high"),
+        )
     }
 
     pub(super) fn too_wide(&self, described: &LightDescription) -> Option<Diagnostic> {
@@ -132,7 +162,7 @@ impl Doctor<'_> {
     }
 
     /// A light that one surface is all around of.
-    fn enclosed(&self, described: &LightDescription) -> Option<Diagnostic> {
+    pub(super) fn enclosed(&self, described: &LightDescription) -> Option<Diagnostic> {
         let position = described.light.position().filter(|_| described.shadows)?;
         let hits = self.stops(&around(position).collect::<Vec<_>>());
         let mut counts = BTreeMap::new();
@@ -256,9 +286,8 @@ impl Doctor<'_> {
 
     /// What keeps the light of a surface from everything that is seen, the surface itself included.
     fn unlit(&self, surface: u32, parts: &[&AreaLight]) -> Option<(u32, Diagnostic)> {
-        let shows = |witness: &super::probes::Witness| {
-            witness.surface == surface && (witness.front || parts[0].two_sided)
-        };
+        let shows =
+            |witness: &Witness| witness.surface == surface && (witness.front || parts[0].two_sided);
         let witnesses = &self.probes.witnesses;
         if witnesses.is_empty() || witnesses.iter().any(shows) || self.has_fog() {
             return None;

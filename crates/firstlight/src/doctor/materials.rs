@@ -7,6 +7,8 @@ use crate::scene::description::{
 };
 use std::collections::BTreeSet;
 
+/// Of what is less opaque, nothing is seen.
+const HARDLY: f32 = 0.02;
 /// Rounding of colours that were converted.
 const ROUNDING: f32 = 1e-3;
 
@@ -67,7 +69,11 @@ fn invisible(scene: &SceneDescription, material: &Material, care: Care) -> Optio
     let opacity = most_opaque(scene, &material.reflectance, care);
     let (gone, why) = match material.alpha {
         Alpha::Opaque => (false, String::new()),
-        Alpha::Blend => (opacity <= 0.0, "its alpha is 0 everywhere".into()),
+        Alpha::Blend if opacity > 0.0 => (
+            opacity < HARDLY,
+            format!("its alpha is at most {opacity}, from 0 (not there) to 1 (solid)"),
+        ),
+        Alpha::Blend => (true, "its alpha is 0 everywhere".into()),
         Alpha::Mask { cutoff } => (
             opacity < cutoff,
             format!("its alpha is at most {opacity:.2}, below the cutoff {cutoff:.2}"),
@@ -77,7 +83,10 @@ fn invisible(scene: &SceneDescription, material: &Material, care: Care) -> Optio
         finding(
             "material-invisible",
             named("material", &material.name),
-            format!("is nowhere there: {why}"),
+            format!(
+                "is {} there: {why}",
+                if opacity > 0.0 && material.alpha == Alpha::Blend { "hardly" } else { "nowhere" }
+            ),
         )
         .help("set its opacity, the alpha of its color, or a lower alpha_cutoff")
     })

@@ -5,12 +5,15 @@
 //! A healthy scene has none: what may be meant as it is, is not told, or only where it does harm.
 
 mod camera;
+mod coincidence;
 mod darkness;
+mod environment;
 mod geometry;
 mod lights;
 mod materials;
 mod picture;
 mod probes;
+mod shadows;
 mod sizes;
 mod tally;
 #[cfg(test)]
@@ -41,20 +44,27 @@ pub enum Care {
 
 /// Every code that a finding may have, with what it means.
 pub const CODES: &[(&str, &str)] = &[
+    ("bounces-few", "light is followed too shortly for glass or mirrors"),
+    ("camera-behind", "the camera is behind a plane without end, the lights before it"),
     ("camera-far", "all surfaces together are a dot in the picture"),
     ("camera-focus", "nothing that the camera sees is sharp"),
     ("camera-fov", "the field of view is that of a telescope or turns everything inside out"),
     ("camera-inside", "the camera is inside of something"),
+    ("camera-near", "a parallel camera sees a speck of the scene"),
     ("camera-sees-nothing", "all is background"),
     ("duplicate-surfaces", "the same surface stands twice in the same place"),
     ("emitter-off", "a surface is said to be a light, and gives none"),
     ("environment-black", "nothing comes from the environment"),
+    ("environment-clipped", "the picture of the surroundings is cut off at white"),
+    ("environment-negative", "the picture of the surroundings has less than no light"),
     ("exposure-low", "the picture is far too dark for its exposure"),
+    ("glass-dark", "what is transparent lets nothing through"),
     ("glass-inside-out", "the surface of something transparent faces inwards"),
     ("glass-open", "what is transparent is not closed"),
     ("light-averted", "a light shines away from all that is seen"),
     ("light-blocked", "something stands between a light and all that is seen"),
     ("light-factor", "two lights differ by exactly 683 or 4π"),
+    ("light-in-surface", "a light lies in a surface that is seen"),
     ("light-inside", "a light is inside of something"),
     ("light-off", "a light gives nothing"),
     ("light-radius", "what is seen is inside of the sphere of a light"),
@@ -65,24 +75,28 @@ pub const CODES: &[(&str, &str)] = &[
     ("noise", "the picture is mostly noise"),
     ("normals-far", "shading normals are far from those of the triangles"),
     ("normals-zero", "vertex normals are zero or no numbers"),
+    ("origin-far", "the scene is too far from the origin for single precision"),
     ("picture-black", "what the camera sees is black"),
     ("picture-clipped", "much of the picture is brighter than white"),
     ("reflectance-above-one", "a material reflects more than it gets"),
     ("samples-dropped", "samples were no finite numbers"),
     ("seen-from-behind", "the camera looks through the backs of one-sided surfaces"),
+    ("shadows-epsilon", "a cure for acne takes shadows away"),
     ("size-millimetres", "the scene is as large as if millimetres were taken for metres"),
     ("size-mixed", "one model is a thousand times as large as the others"),
     ("surfaces-coincide", "two surfaces lie in each other"),
     ("texture-curve", "numbers were encoded or decoded like colours"),
     ("texture-flat", "a picture has one colour"),
     ("texture-missing", "a model names a picture that cannot be used"),
+    ("texture-normals", "a picture of something else is used as a map of normals"),
     ("texture-role", "one picture is read as colours and as numbers"),
     ("texture-uvs", "a picture has no texture coordinates to lie on"),
     ("triangles-degenerate", "many triangles have no area"),
 ];
 
-/// What a camera inside of something finds of lights that may be right.
-const FROM_INSIDE: &[&str] = &["light-averted", "light-blocked", "light-inside"];
+/// Cameras that are where they cannot be meant to be, and what they find of lights that may be right.
+const MISPLACED: &[&str] = &["camera-behind", "camera-inside"];
+const FROM_THERE: &[&str] = &["light-averted", "light-blocked", "light-inside"];
 
 /// Examines one scene.
 pub struct Doctor<'a> {
@@ -143,11 +157,14 @@ impl<'a> Doctor<'a> {
         let mut found = Vec::new();
         found.extend(lights::none(description));
         let camera = self.camera();
-        let inside = camera.iter().any(|finding| finding.code == "camera-inside");
+        let is_wrong = |finding: &Diagnostic| MISPLACED.contains(&finding.code);
+        let misplaced = camera.iter().any(is_wrong);
         found.extend(camera);
-        // From inside of something, all lights seem to be in the wrong place.
-        let follows = |found: &Diagnostic| inside && FROM_INSIDE.contains(&found.code);
+        // From there, all lights seem to be in the wrong place.
+        let follows = |found: &Diagnostic| misplaced && FROM_THERE.contains(&found.code);
         found.extend(self.lights(care).into_iter().filter(|finding| !follows(finding)));
+        found.extend(environment::examine(description));
+        found.extend(self.lost_shadows());
         found.extend(self.surfaces(care));
         found.extend(self.sizes());
         found.extend(materials::examine(description, care));

@@ -71,7 +71,9 @@ impl Doctor<'_> {
             return None;
         }
         let camera = self.description.cameras.first();
-        if camera.is_some_and(|camera| self.is_inside(camera).is_some()) {
+        let is_misplaced =
+            |camera| self.is_inside(camera).or_else(|| self.is_behind(camera)).is_some();
+        if camera.is_some_and(is_misplaced) {
             return None;
         }
         let in_studio = self.description.ground.is_some();

@@ -3,7 +3,7 @@
 use super::{Doctor, finding, quoted};
 use crate::color::Rgb;
 use crate::diagnostic::Diagnostic;
-use crate::scene::description::Surface;
+use crate::scene::description::{Interior, Surface};
 use crate::scene::light_middle;
 use crate::units;
 use glam::DVec3;
@@ -18,6 +18,8 @@ const UNIT: &str = "say in which unit the model is: --unit mm, or unit = \"mm\" 
 /// Illuminance below which lights do not suit the size of a scene, and the range in which they do, lx.
 const DIM: f64 = 0.5;
 const USUAL: std::ops::Range<f64> = 1.0..1e6;
+/// The part of a scene's size from which on steps between numbers show.
+const TORN: f64 = 2e-4;
 /// How many times as large as the others a model is whose unit is another one.
 const MIXED: std::ops::Range<f64> = 200.0..50_000.0;
 
@@ -25,20 +27,45 @@ impl Doctor<'_> {
     /// Everything that is odd about lengths.
     pub(super) fn sizes(&self) -> Vec<Diagnostic> {
         let huge = self.millimetres().or_else(|| self.huge());
-        huge.into_iter().chain(self.mixed()).collect()
+        huge.into_iter().chain(self.mixed()).chain(self.far_off()).collect()
     }
 
-    /// A model in a studio, whose light says nothing about its size, that is as large as a town.
+    /// A scene so far from the origin that single precision tears it: as in the coordinates of maps.
+    fn far_off(&self) -> Option<Diagnostic> {
+        let [lo, hi] = self.bounds()?;
+        let (size, away) = ((hi - lo).length(), lo.abs().max(hi.abs()).max_element());
+        let step = f64::from(f32::EPSILON) * away;
+        (step > TORN * size && size > 0.0).then(|| {
+            let [size, away, step] = [size, away, step].map(|length| units::format(length, "m"));
+            let message = format!(
+                "the scene is {size} across and {away} away from the origin, where places are told apart by some {step} only: it is torn and jagged"
+            );
+            let help = "move it to the origin in the program it was made with: take the same large numbers off all coordinates";
+            finding("origin-far", "lengths".into(), message).help(help)
+        })
+    }
+
+    /// A model in a studio that is as large as a town, of something that looks different in another unit. Where nothing does,
+    /// the picture is the same in metres and in millimetres, and mountains may be as large as they are.
     fn huge(&self) -> Option<Diagnostic> {
-        self.description.ground?;
+        self.description.ground.filter(|_| self.depends_on_lengths())?;
         let size = self.bounds().map(|[lo, hi]| (hi - lo).max_element())?;
         HUGE.contains(&size).then(|| {
             let (now, then) = (units::format(size, "m"), units::format(1e-3 * size, "m"));
             let message = format!(
-                "the model is {now} across; were its lengths millimetres, it would be {then}"
+                "the model is {now} across, and how deep light goes into its materials is said in metres; were its lengths millimetres, it would be {then}"
             );
             finding("size-millimetres", "lengths".into(), message).help(UNIT)
         })
+    }
+
+    /// Whether light is lost, or scattered, over lengths in any material.
+    fn depends_on_lengths(&self) -> bool {
+        let dims = |interior: Interior| {
+            interior.absorption != Rgb::ZERO || interior.scattering != Rgb::ZERO
+        };
+        let materials = &self.description.materials;
+        self.description.surfaces.iter().any(|s| materials[s.material].interior.is_some_and(dims))
     }
 
     /// A scene so large that its lights do nothing, which would suit it in millimetres.

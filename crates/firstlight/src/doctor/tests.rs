@@ -142,9 +142,13 @@ fn the_ground_of_the_studio_hides_nothing() {
 #[test]
 fn models_as_large_as_towns_or_with_stray_triangles() {
     let whole = |t| t;
+    // Only where the unit makes a difference: mountains of stone may be as large as they are.
     let words = ["10 km", "10 m", "--unit mm"];
-    let model = |half| in_studio(&house(half, whole));
-    told_apart("size-millimetres", &words, &model(5000.0), &model(5.0));
+    let glass = "dielectric]\nattenuation_color = 'green'\nattenuation_distance = 3";
+    let of_glass = house(5000.0, whole).replace("lambert]\nreflectance = 0.5", glass);
+    let (stone, small) = (house(5000.0, whole), of_glass.replace("5000.0", "5.0"));
+    told_apart("size-millimetres", &words, &in_studio(&of_glass), &in_studio(&stone));
+    not_in(&in_studio(&small), "size-millimetres");
     let stray = |x: f32| {
         let corners = format!("[[{x}, 0, 0], [{x}, 1, 0], [{x}, 0, 1]]");
         let stray = format!("mesh = {{ vertices = {corners}, triangles = [[0, 1, 2]] }}");
@@ -361,6 +365,14 @@ fn lights_inside_of_things() {
     texts_told_apart("light-inside", &words, &inside(0.5), &inside(1.5));
 }
 
+/// What comes along a surface does not fall on it.
+#[test]
+fn lights_that_lie_in_surfaces() {
+    let lamp = |z: &str| changed("[2, -4, 5]", &format!("[2, -4, {z}]"), "");
+    let words = ["light \"lamp\"", "lies in surface \"floor\""];
+    texts_told_apart("light-in-surface", &words, &lamp("0"), &lamp("0.1"));
+}
+
 #[test]
 fn lights_behind_things() {
     let roof = |z: f32| {
@@ -445,6 +457,49 @@ fn environments_that_are_black() {
     told_apart("environment-black", &["environment"], &picture(0.0), &picture(0.5));
 }
 
+/// The scene under a picture of 64 × 32 texels.
+fn under(texels: Texels) -> SceneDescription {
+    let mut scene = read(&format!("{SCENE}[environment.uniform]\nradiance = 1\n"));
+    let pixels = Pixels { name: "sky.png".into(), width: 64, height: 32, texels };
+    let sky = Sky::Picture { pixels: Arc::new(pixels), sampling: Sampling::Bilinear };
+    scene.environment.as_mut().unwrap().sky = sky;
+    scene
+}
+
+#[test]
+fn pictures_of_skies_that_lack_light() {
+    let sky = |sun: u8| {
+        let texel = |i: u32| if i == 700 { [sun, sun, sun, 255] } else { [90, 120, 200, 255] };
+        under(Texels::Srgb8((0..2048).map(texel).collect()))
+    };
+    let words = ["\"sky.png\" ends at white", "1 of its pixels", "[lights.sun.sun]"];
+    told_apart("environment-clipped", &words, &sky(255), &sky(254));
+    not_in(&under(Texels::Srgb8(vec![[255; 4]; 2048])), "environment-clipped");
+    let numbers = |sun: f32| {
+        let texel = |i: u32| if i == 700 { [sun, 0.1, 0.1, 1.0] } else { [0.2, 0.3, 0.9, 1.0] };
+        under(Texels::Linear((0..2048).map(texel).collect()))
+    };
+    told_apart("environment-clipped", &["\"sky.png\""], &numbers(1.0), &numbers(50.0));
+    let words = ["1 pixels", "less than 0, down to -0.5"];
+    told_apart("environment-negative", &words, &numbers(-0.5), &numbers(0.0));
+}
+
+/// The lecture's cures, with an epsilon that is larger than the ball.
+#[test]
+fn cures_that_take_shadows_away() {
+    let cured = |name: &str, epsilon: &str| {
+        format!("shadows = {{ {name} = {{ epsilon = '{epsilon}' }} }}\n{SCENE}")
+    };
+    for name in ["t_range", "moved_start"] {
+        let words = [name, "10 m", "\"robust\""];
+        texts_told_apart("shadows-epsilon", &words, &cured(name, "10 m"), &cured(name, "1 mm"));
+    }
+    // Where nothing casts a shadow, none is lost.
+    let flat = cured("t_range", "10 m")
+        .replace("center = [0, 0, 1], radius = 1", "center = [0, 90, 1], radius = 1");
+    not_told("shadows-epsilon", &flat);
+}
+
 #[test]
 fn cameras_that_see_nothing() {
     let target = |target: &str| changed("[0, 0, 0.5]", target, "");
@@ -455,6 +510,7 @@ fn cameras_that_see_nothing() {
     let fov = |fov: &str| changed("fov = 40", &format!("fov = {fov}"), "");
     let words = ["0.700° is a telescope's", "fov = \"0.7000 rad\""];
     texts_told_apart("camera-fov", &words, &fov("0.7"), &fov("'0.7 rad'"));
+    not_told("camera-far", &fov("179.9"));
     let small = |y: f32| {
         let floor = "[surfaces.floor]\n    disk = { radius = 20 }";
         changed(floor, "", "").replace("[0, -6, 3]", &format!("[0, {y}, 3]"))
@@ -467,6 +523,18 @@ fn cameras_that_see_nothing() {
     let wide =
         |aperture: f32| lens(6.0).replace("aperture = 0.5", &format!("aperture = {aperture}"));
     texts_told_apart("camera-focus", &["25 m wide", "\"25 mm\""], &wide(25.0), &wide(0.025));
+    let far =
+        |aperture: &str| lens(12.0).replace("aperture = 0.5", &format!("aperture = {aperture}"));
+    texts_told_apart("camera-focus", &["20 m wide", "is fog"], &far("20"), &far("'20 mm'"));
+    let parallel = |height: f32| {
+        changed("perspective", "orthographic", "")
+            .replace("fov = 40", &format!("height = {height}"))
+    };
+    let words = ["sees 1 mm of a scene", "--camera frame"];
+    texts_told_apart("camera-near", &words, &parallel(0.001), &parallel(6.0));
+    // An edge in the middle of it is worth a look.
+    let edge = parallel(0.001).replace("target = [0, 0, 0.5]", "target = [0, 0, 2]");
+    not_told("camera-near", &edge.replace("[0, -6, 3]", "[0, -6, 2]"));
     texts_told_apart(
         "camera-focus",
         &["sharp at 500 mm", "focus_distance"],
@@ -524,6 +592,17 @@ fn pictures_that_are_black_or_too_bright() {
 }
 
 #[test]
+fn ambient_light_that_reaches_nothing() {
+    let within = |reach: &str| {
+        let unlit = SCENE.split("[lights").next().unwrap();
+        let room = "[surfaces.room]\nbox = { min = [-30, -30, -1], max = [30, 30, 20] }\n";
+        format!("{unlit}{room}[lights.sky.ambient]\nradiance = 0.5\nreach = '{reach}'\n")
+    };
+    let words = ["reach of ambient light \"sky\"", "smaller reach"];
+    texts_told_apart("picture-black", &words, &within("1 km"), &within("1 m"));
+}
+
+#[test]
 fn pictures_that_are_noisy() {
     // A lamp in clear glass is found by chance alone; a bare one is asked.
     let room = |samples: u32, glass: &str| {
@@ -572,6 +651,30 @@ fn surfaces_in_each_other() {
         lights.lamp.point = { position = [0, 0, 1], power = 100 }
     ";
     texts_told_apart("surfaces-coincide", &["up to rounding"], &table(0.0), corner);
+    // Meshes as well, whether all of them or a part.
+    let carpet = |place: [f32; 2], triangle: &str, more: &str| {
+        let [size, z] = place;
+        let mesh = |size: f32, z: f32, triangle: &str| {
+            format!(
+                "mesh = {{ vertices = [[{size}, -3, {z}], [-{size}, -3, {z}], [0, 5, {z}]], triangles = [{triangle}] }}\n"
+            )
+        };
+        let first = mesh(3.0, 0.5, "[1, 0, 2]");
+        format!(
+            "{SCENE}[surfaces.parquet]\n{first}[surfaces.carpet]\nmaterial = 'wool'\n{}[materials.wool.lambert]\nreflectance = 0.2\n{more}",
+            mesh(size, z, triangle)
+        )
+    };
+    let words = ["\"parquet\"", "\"carpet\"", "up to rounding"];
+    let apart = carpet([3.0, 0.51], "[1, 0, 2]", "");
+    for size in [3.0, 1.5] {
+        for triangle in ["[1, 0, 2]", "[0, 1, 2]"] {
+            let coinciding = carpet([size, 0.5], triangle, "");
+            texts_told_apart("surfaces-coincide", &words, &coinciding, &apart);
+        }
+    }
+    // The other side of a wall is not seen from this one.
+    not_told("surfaces-coincide", &carpet([3.0, 0.5], "[0, 1, 2]", "double_sided = false\n"));
     let twice = |x: f32| {
         format!(
             "{SCENE}[instances.copy]\nof = 'ball'\ntransform = [{{ translate = [{x}, 0, 0] }}]\n"
@@ -691,6 +794,32 @@ fn materials_that_cannot_be() {
         scene
     };
     told_apart("material-invisible", &["alpha is 0"], &blended(0.0), &blended(0.5));
+    let words = ["hardly there", "at most 0.01"];
+    told_apart("material-invisible", &words, &blended(0.01), &blended(0.05));
+}
+
+/// The scene with a ball of glass or the like, and paths.
+fn with_ball_of(kind: &str, integrator: &str) -> String {
+    let scene = changed("lambert]\n    reflectance = 0.5", kind, "");
+    format!("{integrator}\n{scene}")
+}
+
+#[test]
+fn glass_and_mirrors_that_stay_dark() {
+    let glass = |distance: &str| {
+        let kind =
+            format!("dielectric]\nattenuation_color = 'green'\nattenuation_distance = {distance}");
+        with_ball_of(&kind, "integrator = 'path'")
+    };
+    let words = ["material \"paint\"", "through 20 mm of itself", "attenuation_distance"];
+    texts_told_apart("glass-dark", &words, &glass("1e-6"), &glass("0.01"));
+    let after = |kind: &str, bounces: u32| {
+        with_ball_of(kind, &format!("integrator.path.bounces = {bounces}"))
+    };
+    for (kind, needed) in [("dielectric]", 3), ("mirror]", 2)] {
+        let words = [&*format!("{needed} bounces"), "they have 1"];
+        texts_told_apart("bounces-few", &words, &after(kind, 1), &after(kind, needed));
+    }
 }
 
 /// The scene with a picture on its mesh, whose texels are given by place.
@@ -743,6 +872,15 @@ fn pictures_on_surfaces() {
     told_apart("texture-curve", &["was decoded"], &decoded, &with_picture(16, bumps, bent));
     let encoded = with_picture(16, |i| [184 + (i % 9) as u8, 188, 254, 255], bent);
     told_apart("texture-curve", &["was encoded"], &encoded, &with_picture(16, bumps, bent));
+    let words = ["\"it.png\" as a map of normals", "like colours", "as a color"];
+    let bent_bumps = with_picture(16, bumps, bent);
+    told_apart("texture-normals", &words, &with_picture(16, stripes, bent), &bent_bumps);
+    let heights = with_picture(
+        16,
+        |i| [90, 90, 90, 255].map(|c: u8| c + (i % 60) as u8 * u8::from(c == 90)),
+        bent,
+    );
+    told_apart("texture-normals", &["like heights", "as bump"], &heights, &bent_bumps);
     let both = with_picture(16, stripes, |material, texture| {
         let roughness = Scalar { texture: texture.clone(), channel: 1, complement: false };
         material.reflectance = texture;
@@ -771,6 +909,26 @@ fn pictures_on_surfaces() {
         material.reflectance = texture;
     });
     assert!(!findings(&colors).iter().any(|finding| finding.code == "texture-role"));
+}
+
+/// Coordinates of maps are too large for single precision.
+#[test]
+fn scenes_far_from_the_origin() {
+    let at = |far: f64| {
+        let mut scene = read(SCENE);
+        let shift = glam::DVec3::new(far, 0.0, 0.0);
+        for surface in &mut scene.surfaces {
+            surface.transform = glam::DAffine3::from_translation(shift) * surface.transform;
+        }
+        let camera = &mut scene.cameras[0];
+        (camera.position, camera.target) = (camera.position + shift, camera.target + shift);
+        if let Light::Point { position, .. } = &mut scene.lights[0].light {
+            *position += shift;
+        }
+        scene
+    };
+    let words = ["4.5 Mm away", "536.4 mm", "move it to the origin"];
+    told_apart("origin-far", &words, &at(4.5e6 - 20.0), &at(2e3));
 }
 
 #[test]
@@ -858,6 +1016,8 @@ fn causes_come_before_what_follows_from_them() {
         let finding = found.iter().find(|finding| finding.code == code);
         finding.unwrap_or_else(|| panic!("no {code} in {found:#?}")).to_string()
     };
+    let within = text(&changed("[2, -4, 5]", "[0, 0, 1]", ""), "picture-black");
+    assert!(within.contains("light \"lamp\" is inside of something"), "{within}");
     let roof = "[surfaces.roof]\nquad = { corner = [-30, -30, 6], edge_u = [0, 60, 0], edge_v = [60, 0, 0] }\n";
     let panel = "[surfaces.lamp]\nquad = { corner = [-1, -1, 6.1], edge_u = [0, 2, 0], edge_v = [2, 0, 0] }\nlight.radiance = 20\n";
     let unlit = SCENE.split("[lights").next().unwrap();
@@ -874,11 +1034,13 @@ fn causes_come_before_what_follows_from_them() {
     );
     let below =
         changed("disk = { radius = 20 }", "plane = {}", "").replace("[0, -6, 3]", "[0, -6, -3]");
-    let below = text(&below, "picture-black");
-    assert!(
-        below.contains("behind plane \"floor\"") && below.contains("move the camera"),
-        "{below}"
-    );
+    let codes: Vec<_> = findings(&read(&below)).iter().map(|finding| finding.code).collect();
+    assert_eq!(codes, ["camera-behind"]);
+    let words = ["behind plane \"floor\"", "move the camera"];
+    texts_told_apart("camera-behind", &words, &below, &below.replace("-6, -3]", "-6, 3]"));
+    // A lamp down there as well: it is a cellar.
+    let cellar = format!("{below}[lights.low.point]\nposition = [1, -4, -3]\npower = 300\n");
+    not_told("camera-behind", &cellar);
     let tree = "[surfaces.tree]\nbox = { min = [-0.2, -6.2, 2.8], max = [0.2, -5.8, 3.2] }\n";
     let codes: Vec<_> = findings(&read(&format!("{SCENE}{tree}"))).iter().map(|f| f.code).collect();
     assert_eq!(codes, ["camera-inside"]);

@@ -1,6 +1,6 @@
 //! Pictures on surfaces: without coordinates to lie on, read with the wrong curve, or of one colour.
 
-use super::{Care, finding, named, quoted};
+use super::{Care, finding, named, percent, quoted};
 use crate::diagnostic::Diagnostic;
 use crate::scene::description::{
     Material, Pattern, Pixels, SceneDescription, Shape, Texels, Texture,
@@ -16,6 +16,8 @@ const NEAR: f32 = 0.04;
 /// What 0.5 becomes if it is taken for an sRGB code, and what it becomes as one.
 const DECODED: f32 = 0.214;
 const ENCODED: f32 = 0.735;
+/// How far the length of a normal may be from 1.
+const UNLIKE: f32 = 0.25;
 /// Pictures smaller than this stand for a constant.
 const SMALL: u32 = 16;
 
@@ -25,6 +27,7 @@ pub(super) fn examine(scene: &SceneDescription, care: Care) -> Vec<Diagnostic> {
     let mut found: Vec<_> = without_coordinates(scene, count).into_iter().collect();
     if care == Care::Thorough {
         found.extend(scene.materials.iter().filter_map(|material| normals(scene, material)));
+        found.extend(scene.materials.iter().find_map(|material| no_normals(scene, material)));
         let mut roles = Roles::of(scene);
         found.extend(roles.mixed(scene));
         found.extend(roles.flat(scene));
@@ -85,6 +88,37 @@ fn normals(scene: &SceneDescription, material: &Material) -> Option<Diagnostic> 
     let message = format!("normal map {} {message}", quoted(&pixels.name));
     let help = "export it as plain numbers (\"non-color\", \"raw\" or \"linear\")";
     Some(finding("texture-curve", named("material", &material.name), message).help(help))
+}
+
+/// A normal map that holds something else: most of its texels are no unit vectors that point out of the surface.
+fn no_normals(scene: &SceneDescription, material: &Material) -> Option<Diagnostic> {
+    let (image, _) = image_of(&material.normal.as_ref()?.texture)?;
+    if normals(scene, material).is_some() {
+        return None;
+    }
+    let pixels = &scene.images[image];
+    let samples = samples(pixels);
+    let may_be = |s: &&[f32; 4]| s[2] > 0.5 && (length(s) - 1.0).abs() < UNLIKE;
+    let part = samples.iter().filter(may_be).count() as f64 / samples.len().max(1) as f64;
+    (part < 0.5).then(|| {
+        let grey = samples.iter().all(|[r, g, b, _]| r == g && g == b);
+        let (what, help) = match grey {
+            true => ("heights", "use it as bump, or make normals of it (\"height to normal\")"),
+            false => ("colours", "use the picture that is blue all over (\"normal\", \"nrm\"), and this one as a color"),
+        };
+        let message = format!(
+            "uses {} as a map of normals, and it looks like {what}: {} of it are no directions out of the surface",
+            quoted(&pixels.name),
+            percent(1.0 - part)
+        );
+        finding("texture-normals", named("material", &material.name), message).help(help)
+    })
+}
+
+/// How long the vector is that a texel of a normal map stands for.
+fn length(s: &[f32; 4]) -> f32 {
+    let [x, y, z] = [s[0], s[1], s[2]].map(|value| 2.0 * value - 1.0);
+    (x * x + y * y + z * z).sqrt()
 }
 
 /// Which materials read which picture, as colours and as numbers.
@@ -198,10 +232,7 @@ fn looks_like_normals(pixels: &Pixels) -> bool {
     let samples = samples(pixels);
     let [r, g, b, _] = mean(pixels);
     let middle = (r - 0.5).abs() < NEAR && (g - 0.5).abs() < NEAR && b > 0.8;
-    let is_unit = |s: &&[f32; 4]| {
-        let [x, y, z] = [s[0], s[1], s[2]].map(|value| 2.0 * value - 1.0);
-        ((x * x + y * y + z * z).sqrt() - 1.0).abs() < 0.06
-    };
+    let is_unit = |s: &&[f32; 4]| (length(s) - 1.0).abs() < 0.06;
     let bent = samples.iter().any(|s| (s[0] - 0.5).abs() > 0.05 || (s[1] - 0.5).abs() > 0.05);
     middle && bent && samples.iter().filter(is_unit).count() * 20 > samples.len() * 19
 }

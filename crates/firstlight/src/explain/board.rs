@@ -102,16 +102,23 @@ pub struct Lighting {
     pub incoming: Option<[f32; 3]>,
     /// cos θ between that and the shading normal.
     pub cos: Option<f32>,
-    /// Irradiance that it would cause on the surface, were nothing in the way, W·m⁻². Of a light with an extent, what
-    /// this sample stands for.
+    /// Irradiance that it would cause on the surface, were nothing in the way, W·m⁻²: I cos θ / r², or L cos θ Ω of a
+    /// light with an extent, if all of it were as it is where it was sampled.
     pub irradiance: [f32; 3],
     /// The same in lux.
     pub illuminance: f64,
-    /// What of it arrives, weakened by panes and fog or stopped by what is in the way, lx.
+    /// What of it arrives, weakened by panes and fog or stopped by what is in the way, W·m⁻².
+    pub arriving_irradiance: [f32; 3],
+    /// The same in lux.
     pub arriving: f64,
-    /// Whether this is what one sample stands for: of a light with an extent, or of one picked for many. It is weighted, as
-    /// rays that meet such lights by chance bring the rest.
+    /// Whether this is what one sample stands for: of a light with an extent, or of one picked for many.
     pub sampled: bool,
+    /// Ω, the solid angle that the sample stands for, sr; nothing of a light without extent.
+    pub solid_angle: Option<f32>,
+    /// The part of its light that is asked for; rays that meet the light by chance bring the rest.
+    pub weight: f32,
+    /// The chance with which it was picked to stand for all lights; what it gives is divided by that.
+    pub chance: f32,
     /// What the shadow ray says.
     pub verdict: Verdict,
     /// Value of the BSDF, sr⁻¹.
@@ -192,7 +199,7 @@ impl Board<'_> {
 
     fn step(&self, followed: &Followed) -> Step {
         let Followed { bounce, ray, hit, throughput, .. } = followed;
-        let point = hit.is_some().then(|| Point::new(self.scene, ray, hit, *bounce));
+        let point = hit.is_some().then(|| Point::new(self.scene, followed));
         let met = point.as_ref().map(|point| self.met(point, *bounce, ray));
         let ended_in_fog = !hit.is_some() && ray.t_max.is_finite();
         let lights = match ended_in_fog || point.is_some() {
@@ -299,8 +306,13 @@ impl Board<'_> {
             |asked: &Asked| point.filter(|_| !everywhere).map(|point| point.cos(asked.incoming));
         let part = |asked: &Asked| cos(asked).map_or(if everywhere { PI } else { 1.0 }, f32::abs);
         let on_surface = |asked: &Asked| asked.irradiance * part(asked);
-        let irradiance: Vec3 = asked.iter().map(|asked| on_surface(asked)).sum();
-        let arriving: Vec3 = asked.iter().map(|asked| on_surface(asked) * asked.passed).sum();
+        let by_hand = |asked: &Asked| on_surface(asked) * asked.draw.chance / asked.draw.weight;
+        let weighted: Vec3 = asked.iter().map(|asked| on_surface(asked)).sum();
+        let irradiance: Vec3 = asked.iter().map(|asked| by_hand(asked)).sum();
+        let arriving: Vec3 = asked.iter().map(|asked| by_hand(asked) * asked.passed).sum();
+        let solid_angle: f32 = asked.iter().map(|asked| asked.draw.solid_angle).sum();
+        let chance = strongest.draw.chance;
+        let weight = chance * luminance(weighted) / luminance(irradiance);
         let radiance: Vec3 = asked.iter().map(|asked| asked.gain.radiance * asked.passed).sum();
         let distance = strongest.ray.filter(|_| !everywhere).map(|ray| ray.t_max);
         let distance = distance.filter(|distance| distance.is_finite());
@@ -313,8 +325,12 @@ impl Board<'_> {
             cos: cos(strongest),
             irradiance: irradiance.to_array(),
             illuminance: self.lux(irradiance),
+            arriving_irradiance: arriving.to_array(),
             arriving: self.lux(arriving),
             sampled: self.is_sampled(source, strongest.gain.bounce),
+            solid_angle: (solid_angle > 0.0).then_some(solid_angle),
+            weight: if weight.is_finite() { weight } else { 1.0 },
+            chance,
             verdict: self.verdict(strongest),
             bsdf: (strongest.scattered / part(strongest).max(f32::MIN_POSITIVE)).to_array(),
             radiance: radiance.to_array(),
@@ -420,8 +436,12 @@ impl Board<'_> {
             cos,
             irradiance: irradiance.to_array(),
             illuminance: self.lux(irradiance),
+            arriving_irradiance: [0.0; 3],
             arriving: 0.0,
             sampled: false,
+            solid_angle: None,
+            weight: 1.0,
+            chance: 1.0,
             verdict,
             bsdf: [0.0; 3],
             radiance: [0.0; 3],
@@ -437,12 +457,10 @@ struct Point {
 }
 
 impl Point {
-    fn new(scene: &Scene, ray: &Ray, hit: &Hit, bounce: u32) -> Self {
+    fn new(scene: &Scene, Followed { ray, hit, width, .. }: &Followed) -> Self {
         let (mut at, material) = (scene.interaction(ray, hit), scene.material(hit));
-        if bounce == 0 {
-            // Textures are read as the render reads them: filtered over what the camera's ray stands for.
-            at.seen_width = scene.cone.after(hit.t).width;
-        }
+        // Textures are read as the render reads them: filtered over what the ray stands for.
+        at.seen_width = *width;
         let boundary = scene.boundary_from_air(material, &at);
         let (frame, _) = scene.add_lobes(material, &at, -ray.direction, boundary, &mut Vec::new());
         Self { at, normal: frame.normal() }

@@ -4,7 +4,7 @@
 
 use super::media::Media;
 use super::points::{Lit, MATTE, Point, Points};
-use super::record::{Asked, Followed, Gain, Recorder, add};
+use super::record::{Asked, Draw, Followed, Gain, Recorder, add};
 use super::shadows::ShadowRays;
 use super::source::Source;
 use crate::color::Rgb;
@@ -172,6 +172,7 @@ impl<'a> Direct<'a> {
                 ray: rays[ray],
                 hit: *hit,
                 throughput: Rgb::ONE,
+                width: self.scene.cone.after(hit.t).width,
             });
             samples.push(Sample::of(Rgb::ZERO));
             if !hit.is_some() {
@@ -267,8 +268,8 @@ impl<'a> Direct<'a> {
                     radiance,
                 };
                 let ray = shadows.then_some(ray);
-                let passed = Rgb::ONE;
-                let asked = Asked { gain, ray, incoming, scattered, irradiance, passed };
+                let (draw, passed) = (Draw::of_point(1.0), Rgb::ONE);
+                let asked = Asked { gain, ray, incoming, scattered, irradiance, draw, passed };
                 shadow_rays.ask(self.scene, &asked, Media::default(), samples, recorder);
             }
         }

@@ -19,7 +19,7 @@ pub(crate) use occlusion::Occlusion;
 use super::RayCounts;
 use super::dimensions::{Bounce, time};
 use super::media::{Around, Crossing, Media};
-use super::record::{Asked, Followed, Gain, Recorder, add};
+use super::record::{Asked, Draw, Followed, Gain, Recorder, add};
 use super::shadows::ShadowRays;
 use super::source::Source;
 use crate::color::Rgb;
@@ -73,6 +73,12 @@ impl Techniques {
     #[inline(always)]
     fn asked(self, lights: f32, bsdf: f32) -> f32 {
         (self.lights * lights + self.bsdf * bsdf) / self.lights
+    }
+
+    /// The part of light in such a direction that is asked for.
+    #[inline(always)]
+    fn weight(self, lights: f32, bsdf: f32) -> f32 {
+        1.0 / (1.0 + self.bsdf * bsdf / (self.lights * lights))
     }
 
     /// The weight of light that was met in such a direction. What lights never pick is the BSDF's alone.
@@ -206,6 +212,8 @@ struct Answer {
     scattered: Rgb,
     /// Irradiance of a surface that faces the light, W·m⁻², or what one sample stands for.
     irradiance: Rgb,
+    /// How the light came to be asked.
+    draw: Draw,
 }
 
 impl<'a> Path<'a> {
@@ -565,16 +573,13 @@ impl<'a> Path<'a> {
     ) -> Option<Answer> {
         let incoming = sample.incoming.as_vec3();
         let (scattered, pdf, start) = vertex.scattered(lobes, incoming)?;
+        let (source, pdf_light) = (Source::Surface(light.surface), sample.pdf as f32);
         let irradiance = self.scene.emitted_by(light, sample, vertex.walk.time)
-            / self.techniques.asked(chance * sample.pdf as f32, pdf);
+            / self.techniques.asked(chance * pdf_light, pdf);
         let ray = Some(sample.shadow_ray(start, 0.0, light.error));
-        Some(Answer {
-            source: Source::Surface(light.surface),
-            ray,
-            incoming,
-            scattered,
-            irradiance,
-        })
+        let weight = self.techniques.weight(chance * pdf_light, pdf);
+        let draw = Draw { solid_angle: pdf_light.recip(), chance, weight };
+        Some(Answer { source, ray, incoming, scattered, irradiance, draw })
     }
 
     /// From behind everything.
@@ -590,7 +595,9 @@ impl<'a> Path<'a> {
         let (scattered, pdf, start) = vertex.scattered(lobes, incoming)?;
         let irradiance = sample.radiance / self.techniques.asked(sample.pdf, pdf);
         let ray = Some(Ray::new(start, incoming));
-        Some(Answer { source, ray, incoming, scattered, irradiance })
+        let weight = self.techniques.weight(sample.pdf, pdf);
+        let draw = Draw { solid_angle: sample.pdf.recip(), chance: 1.0, weight };
+        Some(Answer { source, ray, incoming, scattered, irradiance, draw })
     }
 
     /// Asks a light at every vertex, by pairs of numbers in 0..1 with these numbers, and adds what it gives where nothing is in
@@ -793,8 +800,9 @@ impl Walk {
     /// The last ray, and what it met.
     #[inline(always)]
     fn along(&self, bounce: u32, ray: &Ray, hit: &Hit) -> Followed {
-        let Self { sample, throughput, .. } = *self;
-        Followed { sample, bounce, ray: *ray, hit: *hit, throughput }
+        let Self { sample, throughput, cone, .. } = *self;
+        let width = cone.after(hit.t).width;
+        Followed { sample, bounce, ray: *ray, hit: *hit, throughput, width }
     }
 
     /// Goes on for one of the three channels, picked by a number in 0..1.
@@ -871,7 +879,8 @@ impl Vertex {
         let (scattered, _, start) = self.scattered(lobes, sample.incoming)?;
         let ray = shadows.then(|| sample.ray_from(self.position, start, 0.0));
         let (incoming, irradiance) = (sample.incoming, sample.irradiance / chance);
-        Some(Answer { source, ray, incoming, scattered, irradiance })
+        let draw = Draw::of_point(chance);
+        Some(Answer { source, ray, incoming, scattered, irradiance, draw })
     }
 
     /// From a sky of radiance 1 that surfaces nearer than `reach` hide, in a direction that the BSDF picks.
@@ -888,7 +897,8 @@ impl Vertex {
         let (incoming, scattered) = (sample.incoming, sample.weight);
         let start = self.starts[usize::from(sample.through)];
         let ray = Some(Ray { t_max: reach, ..Ray::new(start, incoming) });
-        Some(Answer { source, ray, incoming, scattered, irradiance: Rgb::ONE })
+        let (irradiance, draw) = (Rgb::ONE, Draw::of_point(1.0));
+        Some(Answer { source, ray, incoming, scattered, irradiance, draw })
     }
 }
 
@@ -896,10 +906,10 @@ impl Answer {
     /// What the light would give to the eye by way of `vertex`.
     #[inline(always)]
     fn at(&self, vertex: &Vertex, bounce: u32) -> Asked {
-        let Self { source, ray, incoming, scattered, irradiance } = *self;
+        let Self { source, ray, incoming, scattered, irradiance, draw } = *self;
         let ray = ray.map(|ray| Ray { time: vertex.walk.time, ..ray });
         let gain = vertex.walk.reflected(bounce, source, scattered * irradiance);
         let (gain, passed) = (Gain { asked: true, ..gain }, Rgb::ONE);
-        Asked { gain, ray, incoming, scattered, irradiance, passed }
+        Asked { gain, ray, incoming, scattered, irradiance, draw, passed }
     }
 }

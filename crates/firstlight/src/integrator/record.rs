@@ -41,8 +41,29 @@ pub(crate) struct Asked {
     /// Irradiance of a surface that faces the light, W·m⁻². Of a light with an extent, or one picked for many, what one
     /// sample stands for.
     pub irradiance: Rgb,
+    /// How it came to be asked.
+    pub draw: Draw,
     /// What of it passes: nothing behind a surface, a tint behind panes.
     pub passed: Rgb,
+}
+
+/// How a light came to be asked, and what of its irradiance is due to that.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Draw {
+    /// The solid angle that the direction to it stands for, sr; 0 if it has no extent.
+    pub solid_angle: f32,
+    /// The chance with which it was picked, to stand for all.
+    pub chance: f32,
+    /// The part of its light that is asked for; rays that meet it by chance bring the rest.
+    pub weight: f32,
+}
+
+impl Draw {
+    /// Of a light without extent that had this chance of being asked.
+    #[inline(always)]
+    pub(crate) fn of_point(chance: f32) -> Self {
+        Self { solid_angle: 0.0, chance, weight: 1.0 }
+    }
 }
 
 /// A ray followed to what it meets.
@@ -58,6 +79,8 @@ pub(crate) struct Followed {
     pub hit: Hit,
     /// What light from its end is multiplied by on its way to the eye.
     pub throughput: Rgb,
+    /// Width of what it stands for at its end, m.
+    pub width: f32,
 }
 
 /// Is told what happens to the samples of a batch.

@@ -245,7 +245,8 @@ pub(super) fn add_surface(scene: &mut SceneDescription, mesh: Mesh, material: us
 /// Refuses a scene without surfaces.
 pub(super) fn not_empty(scene: SceneDescription, name: &str) -> Result<SceneDescription> {
     if scene.surfaces.is_empty() {
-        return Err(Box::new(Diagnostic::new(name, "no triangles in this file")));
+        let error = Diagnostic::new(name, "no triangles in this file");
+        return Err(Box::new(error.help("points and lines are not drawn: export faces")));
     }
     Ok(scene)
 }

@@ -1,4 +1,5 @@
-//! Closest hit and any hit of the few rays of a group that have come far into the tree: one after the other.
+//! Closest hit and any hit of rays that have nothing in common but the tree, one after the other: the few of a group
+//! that have come far, and all where turns do not pay.
 
 use super::group::Group;
 use super::layout::{Child, EntryPlanes, Tree};
@@ -18,28 +19,29 @@ pub(super) struct Walk<'a, O> {
 }
 
 impl<O: Others> Walk<'_, O> {
-    /// Brings rays of group `g`, which enter boxes through the planes of `entry`, to what is below `start`. Returns which hits were replaced.
+    /// Brings rays of group `g` to what is below `start`. Returns whether a hit was replaced.
     #[inline(always)]
     pub(super) fn alone<S: Simd, const ANY: bool>(
         &mut self,
         simd: S,
         (g, group): (usize, &mut Group),
         mut lanes: u32,
-        (start, entry): (Child, &'static EntryPlanes),
+        start: Child,
         stack: &mut Stack,
-    ) -> u32 {
-        let mut changed = 0;
+    ) -> bool {
+        let mut changed = false;
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize % LANES;
             lanes &= lanes - 1;
             let (ray, hit) = (&self.rays[LANES * g + lane], &mut self.hits[LANES * g + lane]);
             let search = Search { simd, ray, filter: self.filter, flags: self.flags };
+            let entry = EntryPlanes::of(group.octant_of(lane));
             let prepared = (group.slabs_of(simd, lane, entry), group.shear_of(simd, lane));
             let start = (self.tree, start);
             if search.walk_from::<O, ANY>(start, ray, prepared, FLATTENED, self.others, hit, stack)
             {
                 group.t.0[lane] = if ANY { f32::NEG_INFINITY } else { hit.t };
-                changed |= 1 << lane;
+                changed = true;
             }
         }
         changed

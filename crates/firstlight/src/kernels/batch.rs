@@ -1,4 +1,4 @@
-//! Batches of rays: those that go together walk the tree together, the others alone.
+//! Batches of rays: those that go together walk the tree together, the others take turns.
 
 use super::alone::Walk;
 use super::beams::GROUPS;
@@ -41,12 +41,14 @@ impl<O: Others, const ANY: bool> Kernel for Batch<'_, O, ANY> {
         const RAYS: usize = GROUPS * LANES;
         let Self { tree, others, filter, rays, hits, known } = self;
         let flags = filter.flags();
-        let (mut tile, mut strays) = (Tile::new(simd), Strays::default());
+        let (mut tile, mut strays) = (Tile::new(simd), Strays::through::<S>(tree));
         for (i, (rays, hits)) in rays.chunks(RAYS).zip(hits.chunks_mut(RAYS)).enumerate() {
             let walk = Walk { tree, others, filter, flags, rays, hits };
-            tile.answer::<O, ANY>(walk, known, (RAYS * i, &mut strays));
+            tile.answer::<O, ANY>(walk, known, (RAYS * i, strays.as_mut()));
         }
-        let walk = Walk { tree, others, filter, flags, rays, hits };
-        strays.answer::<S, O, ANY>(simd, walk);
+        if let Some(strays) = strays {
+            let walk = Walk { tree, others, filter, flags, rays, hits };
+            strays.answer::<S, O, ANY>(simd, walk);
+        }
     }
 }

@@ -31,6 +31,12 @@ pub(super) fn load<S: Simd>(simd: S, rows: &[Row; 3]) -> [S::F; 3] {
     [simd.load(&rows[0].0), simd.load(&rows[1].0), simd.load(&rows[2].0)]
 }
 
+/// Whether all lanes agree.
+#[inline(always)]
+fn uniform(bits: u32) -> bool {
+    bits == 0 || bits == ALL
+}
+
 /// One lane of three rows, in every lane.
 #[inline(always)]
 fn splat<S: Simd>(simd: S, rows: &[Row; 3], lane: usize) -> [S::F; 3] {
@@ -74,9 +80,9 @@ impl Group {
         magnitude: 0.0,
     };
 
-    /// Takes up eight rays that are to go through a tree with coordinates up to `reach`.
+    /// Takes up eight rays; they are still to be [prepared](Self::prepare).
     #[inline(always)]
-    pub(super) fn load<S: Simd>(&mut self, simd: S, reach: f32, rays: [&Ray; LANES]) {
+    pub(super) fn load<S: Simd>(&mut self, simd: S, rays: [&Ray; LANES]) {
         let mut rows = [simd.splat(0.0); LANES];
         for (row, ray) in rows.iter_mut().zip(rays) {
             let (o, d) = (ray.origin, ray.direction);
@@ -87,15 +93,20 @@ impl Group {
         self.direction = [row(dx), row(dy), row(dz)];
         (self.t_min, self.t) = (row(t_min), row(t_max));
         self.signs = [dx.signs(), dy.signs(), dz.signs()];
+    }
+
+    /// Prepares its rays for a tree with coordinates up to `reach`.
+    #[inline(always)]
+    pub(super) fn prepare<S: Simd>(&mut self, simd: S, reach: f32) {
         self.prepare_slabs(simd, reach);
         self.prepare_shear(simd);
     }
 
     /// Takes up fewer rays than eight; the lanes left over have their answer.
     #[inline(always)]
-    pub(super) fn load_some<S: Simd>(&mut self, simd: S, reach: f32, rays: &[Ray]) {
+    pub(super) fn load_some<S: Simd>(&mut self, simd: S, rays: &[Ray]) {
         let padded = std::array::from_fn(|lane| &rays[lane.min(rays.len() - 1)]);
-        self.load(simd, reach, padded);
+        self.load(simd, padded);
         self.t.0[rays.len()..].fill(f32::NEG_INFINITY);
     }
 
@@ -136,13 +147,30 @@ impl Group {
         self.shear = [row(first / largest), row(second / largest)];
     }
 
-    /// The signs of the directions as bits, if all rays agree in them and in their largest axis.
+    /// The signs of the directions as bits, if all rays agree in them.
     #[inline(always)]
     pub(super) fn octant(&self) -> Option<u32> {
-        let uniform = |bits: u32| bits == 0 || bits == ALL;
         let [x, y, z] = self.signs;
-        let all = uniform(x) && uniform(y) && uniform(z);
-        (all && uniform(self.along[0]) && uniform(self.along[1])).then_some(x & 1 | y & 2 | z & 4)
+        (uniform(x) && uniform(y) && uniform(z)).then_some(x & 1 | y & 2 | z & 4)
+    }
+
+    /// The signs of one ray's direction as bits.
+    #[inline(always)]
+    pub(super) fn octant_of(&self, lane: usize) -> u32 {
+        let [x, y, z] = self.signs.map(|signs| signs >> lane & 1);
+        x | y << 1 | z << 2
+    }
+
+    /// Which rays have no answer yet.
+    #[inline(always)]
+    pub(super) fn looking<S: Simd>(&self, simd: S) -> u32 {
+        simd.splat(f32::NEG_INFINITY).lt(simd.load(&self.t.0)).bits()
+    }
+
+    /// Whether all rays, which are prepared, agree in their largest axis.
+    #[inline(always)]
+    pub(super) fn goes_one_way(&self) -> bool {
+        uniform(self.along[0]) && uniform(self.along[1])
     }
 
     /// The axis along which a ray goes furthest.

@@ -334,6 +334,8 @@ pub(crate) struct Tree {
     pub blocks: Pages<TriangleBlock>,
     /// What the triangles are, block by block.
     pub words: Pages<Word>,
+    /// The most nodes on a way from the root down.
+    pub depth: usize,
     /// The box around everything.
     pub bounds: Bounds,
     /// The largest absolute coordinate of that box.

@@ -28,13 +28,13 @@ static ORDERS: [Order; 8] = {
         let (octant, set, from_far) = (i / LANES / SETS, i / LANES % SETS, i % LANES);
         let slot = (LANES - 1 - from_far) ^ octant;
         if set >> slot & 1 == 1 {
-            let mut nearer = 0;
+            let mut farther = 0;
             let mut j = 0;
             while j < from_far {
-                nearer += set >> ((LANES - 1 - j) ^ octant) & 1;
+                farther += set >> ((LANES - 1 - j) ^ octant) & 1;
                 j += 1;
             }
-            orders[octant].slots[set][nearer] = slot as u8;
+            orders[octant].slots[set][farther] = slot as u8;
             orders[octant].nearest[set] = slot as u8;
         }
         i += 1;

@@ -7,7 +7,7 @@
 
 use super::alone::Walk;
 use super::group::Group;
-use super::layout::{Child, EntryPlanes, Node, Places, Target};
+use super::layout::{Child, EntryPlanes, Node, Places, Target, Tree};
 use super::order::Order;
 use super::traverse::{FLATTENED, Others, Search, Slabs, Stack};
 use super::triangles::Shear;
@@ -17,32 +17,34 @@ use std::hint::select_unpredictable;
 
 /// Rays that are on their way at once.
 const WALKERS: usize = 16;
-/// With fewer at nodes than this, those at leaves come first.
+/// With no more than this at nodes, those at leaves come first.
 const FEW: usize = WALKERS / 2;
+/// Trees with fewer nodes have a ray answered before turns pay.
+const MANY: usize = 64;
 /// Boxes that may wait for one ray.
-const WAITING: usize = (7 * Stack::DEPTH).next_power_of_two();
-
-/// The signs of a ray's direction as bits.
-#[inline(always)]
-pub(super) fn octant(ray: &Ray) -> u32 {
-    ray.direction.is_negative_bitmask()
-}
+const WAITING: usize = 128;
+/// The deepest tree for which that is enough: seven wait at each node, eight at the last, and one place is kept free.
+const DEPTH: usize = (WAITING - 2) / 7;
 
 /// Numbers of rays that do not go together, by the signs of their directions.
 #[derive(Default)]
 pub(super) struct Strays([Vec<u32>; 8]);
 
 impl Strays {
+    /// None yet, if it pays to collect those that go through `tree`.
+    #[inline(always)]
+    pub(super) fn through<S: Simd>(tree: &Tree) -> Option<Self> {
+        let pays = S::PERMUTES && tree.nodes.len() >= MANY && tree.depth <= DEPTH;
+        pays.then(Self::default)
+    }
+
     /// Adds rays that start with number `first`, but for those whose answer is known.
     #[inline(always)]
-    pub(super) fn add<const ANY: bool>(
-        &mut self,
-        first: usize,
-        (rays, hits, known): (&[Ray], &[Hit], bool),
-    ) {
+    pub(super) fn add<const ANY: bool>(&mut self, first: usize, rays: &[Ray], hits: &[Hit]) {
         for (i, (ray, hit)) in rays.iter().zip(hits).enumerate() {
-            if !(ANY && known && hit.is_some()) {
-                self.0[octant(ray) as usize % 8].push((first + i) as u32);
+            if !(ANY && hit.is_some()) {
+                let octant = ray.direction.is_negative_bitmask();
+                self.0[octant as usize % 8].push((first + i) as u32);
             }
         }
     }
@@ -53,31 +55,10 @@ impl Strays {
         if self.0.iter().all(Vec::is_empty) {
             return;
         }
-        if S::PERMUTES {
-            self.in_turns::<S, O, ANY>(simd, walk);
-        } else {
-            self.one_by_one::<S, O, ANY>(simd, walk);
-        }
-    }
-
-    #[inline(always)]
-    fn in_turns<S: Simd, O: Others, const ANY: bool>(&self, simd: S, walk: Walk<O>) {
         let mut walkers = std::array::from_fn(|_| Walker::nowhere(simd));
         let mut stream = Stream::new(simd, walk, &mut walkers);
         for (octant, rays) in self.0.iter().enumerate() {
             stream.answer::<ANY>(octant as u32, rays);
-        }
-    }
-
-    /// What is faster where packing boxes by a table takes many instructions.
-    #[inline(always)]
-    fn one_by_one<S: Simd, O: Others, const ANY: bool>(&self, simd: S, walk: Walk<O>) {
-        let Walk { tree, others, filter, flags, rays, hits } = walk;
-        let mut stack = Stack::new();
-        for &ray in self.0.iter().flatten() {
-            let (ray, hit) = (&rays[ray as usize], &mut hits[ray as usize]);
-            let search = Search { simd, ray, filter, flags };
-            search.walk::<O, ANY>(tree, ray, FLATTENED, others, hit, &mut stack);
         }
     }
 }
@@ -271,6 +252,7 @@ impl<'a, S: Simd, O: Others> Stream<'a, S, O> {
         let mut queues = Queues::all_idle();
         let mut next = self.set_out(rays, 0, octant, &mut queues);
         while queues.at_nodes.len > 0 {
+            // Compiled once for each, so that which planes rays enter through is no variable.
             match octant {
                 0 => self.walk::<ANY, 0>(&mut queues),
                 1 => self.walk::<ANY, 1>(&mut queues),
@@ -302,7 +284,8 @@ impl<'a, S: Simd, O: Others> Stream<'a, S, O> {
                 let last = rays.len() - 1;
                 let ray = |lane| &self.walk.rays[rays[last.min(next + lane)] as usize];
                 let group = std::array::from_fn(ray);
-                self.group.load(self.simd, self.walk.tree.reach, group);
+                self.group.load(self.simd, group);
+                self.group.prepare(self.simd, self.walk.tree.reach);
             }
             let (ray, hit) = (rays[next], self.walk.hits[rays[next] as usize]);
             let group = (&self.group, next % LANES, EntryPlanes::of(octant));

@@ -13,8 +13,8 @@
 use super::alone::Walk;
 use super::beams::{Beams, GROUPS, PerGroup, WHOLE, extremes};
 use super::group::{Group, Row, load, row};
-use super::layout::{EntryPlanes, Node, Target, Tree, TriangleBlock};
-use super::stream::{Strays, octant};
+use super::layout::{Child, EntryPlanes, Node, Target, Tree, TriangleBlock};
+use super::stream::Strays;
 use super::traverse::{FLATTENED, Others, PAD, Search, Stack};
 use super::triangles::{accept, cross, plane_distances};
 use crate::geometry::{Hit, Ray};
@@ -69,22 +69,29 @@ impl<S: Simd> Tile<S> {
         }
     }
 
-    /// Answers the rays of `walk`, at most 64, but for those that do not go together, which are added to `strays`: they
-    /// count from `base`. `known`: hits hold more than the ends of ranges.
+    /// Answers the rays of `walk`, at most 64. Those that do not go together are added to `strays`, if there are to be
+    /// any; they count from `base`. `known`: hits hold more than the ends of ranges.
     #[inline(always)]
     pub(super) fn answer<O: Others, const ANY: bool>(
         &mut self,
         mut walk: Walk<O>,
         known: bool,
-        (base, strays): (usize, &mut Strays),
+        (base, mut strays): (usize, Option<&mut Strays>),
     ) {
         let count = walk.rays.len().div_ceil(LANES);
         for g in 0..count {
             let lanes = LANES * g..walk.rays.len().min(LANES * (g + 1));
             let (rays, hits) = (&walk.rays[lanes.clone()], &walk.hits[lanes]);
-            self.octants[g % GROUPS] = self.load::<ANY>(g, walk.tree.reach, (rays, hits, known));
-            if self.octants[g % GROUPS].is_none() {
-                strays.add::<ANY>(base + LANES * g, (rays, hits, known));
+            let octant = self.load(g, rays);
+            if octant.is_some() || strays.is_none() {
+                self.prepare::<ANY>(g, walk.tree.reach, known.then_some(hits));
+            }
+            let group = &self.groups[g % GROUPS];
+            self.octants[g % GROUPS] = octant.filter(|_| group.goes_one_way());
+            match &mut strays {
+                _ if self.octants[g % GROUPS].is_some() => {}
+                Some(strays) => strays.add::<ANY>(base + LANES * g, rays, hits),
+                None => self.alone::<O, ANY>(g, &mut walk),
             }
         }
         let mut first = 0;
@@ -97,26 +104,33 @@ impl<S: Simd> Tile<S> {
         }
     }
 
-    /// Takes up the rays of a group, if they go together; the signs of their directions as bits.
+    /// Takes up the rays of a group. Returns the signs of their directions as bits, if they agree.
     #[inline(always)]
-    fn load<const ANY: bool>(
-        &mut self,
-        g: usize,
-        reach: f32,
-        (rays, hits, known): (&[Ray], &[Hit], bool),
-    ) -> Option<u32> {
-        if rays.iter().any(|ray| octant(ray) != octant(&rays[0])) {
-            return None;
-        }
+    fn load(&mut self, g: usize, rays: &[Ray]) -> Option<u32> {
         let group = &mut self.groups[g % GROUPS];
         match rays.first_chunk() {
-            Some(rays) => group.load(self.simd, reach, rays.each_ref()),
-            None => group.load_some(self.simd, reach, rays),
-        }
-        if known {
-            group.know::<ANY>(hits);
+            Some(rays) => group.load(self.simd, rays.each_ref()),
+            None => group.load_some(self.simd, rays),
         }
         group.octant()
+    }
+
+    /// Prepares the rays of a group, some of which may have hits already.
+    #[inline(always)]
+    fn prepare<const ANY: bool>(&mut self, g: usize, reach: f32, known: Option<&[Hit]>) {
+        let group = &mut self.groups[g % GROUPS];
+        group.prepare(self.simd, reach);
+        if let Some(hits) = known {
+            group.know::<ANY>(hits);
+        }
+    }
+
+    /// Looks for the hits of a group, ray by ray.
+    #[inline(always)]
+    fn alone<O: Others, const ANY: bool>(&mut self, g: usize, walk: &mut Walk<O>) {
+        let group = &mut self.groups[g % GROUPS];
+        let (looking, start) = (group.looking(self.simd), Child::node(0));
+        walk.alone::<S, ANY>(self.simd, (g, group), looking, start, &mut self.single);
     }
 
     /// The end of the groups from number `first` on that can go together; `first` if not even its rays can.
@@ -201,8 +215,7 @@ impl<S: Simd> Tile<S> {
                 }
                 Target::Node(_) => {
                     let group = (g, &mut self.groups[g]);
-                    let start = (child, self.entry);
-                    walk.alone::<S, ANY>(self.simd, group, lanes, start, &mut self.single) != 0
+                    walk.alone::<S, ANY>(self.simd, group, lanes, child, &mut self.single)
                 }
                 Target::Other(surface) => {
                     let group = (g, &mut self.groups[g]);

@@ -56,6 +56,17 @@ impl PathPoints {
     pub(crate) fn pair(&self, number: u32) -> Vec2 {
         Coins::new(self.sequence, number).point(self.reversed)
     }
+
+    /// One of `2^bits` parts of the sample, for a decision that is made so many times. The parts of all samples of a pixel,
+    /// and of its neighbours, fill each other's gaps as samples do.
+    #[inline(always)]
+    pub(crate) fn part(&self, number: u32, bits: u32) -> Self {
+        let left_out = self.reversed & ((1 << bits) - 1);
+        Self {
+            reversed: self.reversed >> bits | number.reverse_bits(),
+            sequence: self.sequence ^ u64::from(left_out) << 32,
+        }
+    }
 }
 
 /// The same pair of dimensions of many paths, as [`PathPoints::pair`]; replaces what is in `pairs`.
@@ -203,6 +214,21 @@ mod tests {
                     (0..samples).map(|i| sampler.points(x, y, i).pair(pair)).collect();
                 assert!(is_net(&points), "{samples} samples, pixel {x} {y}, pair {pair}");
             }
+        }
+    }
+
+    /// What each sample decides several times is a net as well, over all samples and over those of a square of pixels.
+    #[test]
+    fn the_parts_of_samples_are_a_net_together() {
+        for (samples, bits) in [(1_u32, 4), (4, 4), (16, 2)] {
+            let sampler = Sampler::new(9, samples);
+            let parts = |x: u32, y: u32| {
+                let points = (0..samples).map(move |i| sampler.points(x, y, i));
+                points.flat_map(move |p| (0..1 << bits).map(move |n| p.part(n, bits).pair(3)))
+            };
+            assert!(is_net(&parts(40_003, 7).collect::<Vec<_>>()), "{samples} samples");
+            let square: Vec<_> = (0..4).flat_map(|i| parts(40_002 + i % 2, 6 + i / 2)).collect();
+            assert!(is_net(&square), "{samples} samples of four pixels");
         }
     }
 

@@ -16,8 +16,10 @@ use crate::scene::{Meets, Scene, SeenByCamera};
 use crate::shading::bsdf::{Frame, Kind, Lobe};
 use glam::{DVec3, Vec2, Vec3, Vec4Swizzles};
 
-/// Directions in which each sample looks for the sky.
-const LOOKS: u32 = 4;
+/// The samples of a pixel look for the sky in 2 to the power of this many directions together: enough for no grain to show.
+const LOOKS_BITS: u32 = 7;
+/// Each does so in 2 to the power of this many, at least and at most.
+const LOOK_BITS: [u32; 2] = [2, 6];
 /// The part of a colour that is there even where no sky is.
 const ALWAYS: f32 = 0.4;
 /// The part of a colour that surfaces keep that are seen edge-on.
@@ -229,19 +231,28 @@ impl<'a> Clarity<'a> {
         }
     }
 
+    /// Each sample looks for the sky in 2 to the power of this many directions: in the more, the fewer samples there are.
+    fn look_bits(&self) -> u32 {
+        let samples = self.path.scene.film().samples.next_power_of_two().ilog2();
+        let [least, most] = LOOK_BITS;
+        LOOKS_BITS.saturating_sub(samples).clamp(least, most)
+    }
+
     fn look_for_sky(
         &self,
         points: &[PathPoints],
         scratch: &mut Scratch,
         recorder: &mut impl Recorder,
     ) {
-        let share = Rgb::splat((1.0 - ALWAYS) / LOOKS as f32);
+        let bits = self.look_bits();
+        let looks = 1 << bits;
+        let share = Rgb::splat((1.0 - ALWAYS) / looks as f32);
         let pair = Bounce::new(0).direction();
-        for look in 0..LOOKS {
-            // One in each quarter of the square, that is, of the sky.
-            let quarter = 0.5 * Vec2::new((look % 2) as f32, (look / 2) as f32);
-            self.path.ask(0, points, [pair], scratch, recorder, |vertex, lobes, [u]| {
-                let u = (u + quarter).fract();
+        let mut parts = Vec::with_capacity(points.len());
+        for look in 0..looks {
+            parts.clear();
+            parts.extend(points.iter().map(|points| points.part(look, bits)));
+            self.path.ask(0, &parts, [pair], scratch, recorder, |vertex, lobes, [u]| {
                 let answer = vertex.light_from_sky(lobes, Source::Look, self.distance, 0.0, u)?;
                 let ray = answer.ray.map(|ray| self.kept(&ray));
                 Some(Answer { ray, irradiance: share, ..answer })

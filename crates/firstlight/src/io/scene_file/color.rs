@@ -51,6 +51,12 @@ impl Reflectance {
     }
 }
 
+/// Numbers up to 255 as they are written in hex.
+fn hex(codes: [f64; 3]) -> String {
+    let digits = codes.map(|code| format!("{:02x}", code as u8));
+    format!("#{}", digits.concat())
+}
+
 impl Written for Reflectance {
     const EXPECTED: &'static str = "a reflectance such as \"#c0392b\", \"tomato\", 0.5, [0.5, 0.2, 0.1] or { image = { file = \"wood.png\" } }";
     fn from_number(grey: f64) -> Checked<Self> {
@@ -61,8 +67,13 @@ impl Written for Reflectance {
     }
     fn from_triple(channels: [f64; 3]) -> Checked<Self> {
         if let Some(wrong) = channels.iter().find(|channel| !(0.0..=1.0).contains(*channel)) {
+            let is_code = |x: &f64| (0.0..256.0).contains(x) && x.fract() == 0.0;
+            let codes = match channels.iter().all(is_code) {
+                true => format!(" (numbers up to 255 are written \"{}\")", hex(channels)),
+                false => String::new(),
+            };
             return Err(format!(
-                "must be from 0 to 1, not {wrong}: no surface reflects more than it gets"
+                "must be from 0 to 1, not {wrong}: no surface reflects more than it gets{codes}"
             ));
         }
         let [r, g, b] = channels.map(|channel| channel as f32);

@@ -59,9 +59,10 @@ impl Override {
         self.keys.iter().map(|(key, _)| key.as_str())
     }
 
-    /// Whether it sets what stands under these keys, or a part of it.
+    /// Whether it sets what stands under these keys, a part of it, or a table with that in it.
     pub fn sets(&self, keys: &[&str]) -> bool {
-        self.path().zip(keys).all(|(own, key)| own == *key)
+        let inner = &keys[self.keys.len().min(keys.len())..];
+        self.path().zip(keys).all(|(own, key)| own == *key) && holds(self.value().get_ref(), inner)
     }
 
     /// Sets the value in the table `root`; spans are those in the override's text plus `offset`.
@@ -157,6 +158,13 @@ impl Override {
             ..Diagnostic::default()
         })
     }
+}
+
+/// Whether something stands under these keys in a value.
+fn holds(value: &DeValue<'_>, keys: &[&str]) -> bool {
+    let Some((key, rest)) = keys.split_first() else { return true };
+    let inner = value.as_table().and_then(|table| table.get(*key));
+    inner.is_some_and(|inner| holds(inner.get_ref(), rest))
 }
 
 /// The bare or quoted keys of a dotted key, each with its place.

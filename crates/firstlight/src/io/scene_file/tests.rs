@@ -441,6 +441,14 @@ fn every_complaint_has_its_line_its_path_and_a_hint() {
         "scene.toml:1:40: surfaces.a.material needs the name of a material, not \"blu\"; \
          did you mean \"blue\"?"
     );
+    // What is called otherwise elsewhere, and numbers up to 255.
+    assert_eq!(
+        complaint("[materials.a.metal]"),
+        "scene.toml:1:14: unknown choice \"metal\" in materials.a; did you mean \"conductor\"?"
+    );
+    let codes = complaint("materials.a.lambert.reflectance = [128, 64, 32]");
+    assert!(codes.contains("not 128") && codes.contains("\"#804020\""), "{codes}");
+    assert!(!complaint("materials.a.lambert.reflectance = 1.5").contains('#'));
     assert_eq!(
         complaint("[[surfaces.ball]]\nmaterial = 'red'"),
         "scene.toml:2:1: surfaces.ball is written [[surfaces.ball]]"
