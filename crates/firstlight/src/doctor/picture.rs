@@ -47,6 +47,12 @@ impl Shown<'_> {
             false => radiance.max_element() <= 0.0,
         }
     }
+
+    /// How many pixels come out as the darkest code.
+    fn black_pixels(&self, view: View) -> usize {
+        let pixels = self.rendered.image.pixels().iter();
+        pixels.filter(|p| self.is_black(Rgb::new(p[0], p[1], p[2]), view)).count()
+    }
 }
 
 impl Doctor<'_> {
@@ -125,11 +131,13 @@ impl Doctor<'_> {
 
     /// Whether surfaces that are only partly there are all that is black: the picture shows what is behind them.
     fn is_seen_through(&self, shown: &Shown<'_>) -> bool {
+        let view = self.description.film.view;
         let partly_there = |material: &Material| material.alpha != Alpha::Opaque;
-        let black = self.black(shown);
-        let mostly =
-            |black: Vec<_>| black.is_empty() || 2 * black.len() < self.probes.seen().count();
-        self.description.materials.iter().any(partly_there) && black.is_none_or(mostly)
+        let mostly = match self.black(shown) {
+            Some(black) => black.is_empty() || 2 * black.len() < self.probes.seen().count(),
+            None => shown.black_pixels(view) < shown.rendered.image.pixels().len(),
+        };
+        self.description.materials.iter().any(partly_there) && mostly
     }
 
     /// What the camera sees that is black in the picture; `None` if it is not known where the rays of the picture went.
@@ -155,11 +163,10 @@ impl Doctor<'_> {
         if part < allowed {
             return None;
         }
-        let pixels = shown.rendered.image.pixels();
-        let count = pixels.iter().filter(|p| shown.is_black(Rgb::new(p[0], p[1], p[2]), view));
+        let count = shown.rendered.image.pixels().len() as f64;
         let dark = match self.description.ground {
             None => {
-                format!("{} of the pixels are", percent(count.count() as f64 / pixels.len() as f64))
+                format!("{} of the pixels are", percent(shown.black_pixels(view) as f64 / count))
             }
             Some(_) => format!("{} of what is seen of the model is", percent(part)),
         };

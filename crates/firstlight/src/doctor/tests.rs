@@ -4,7 +4,7 @@ use super::{CODES, Care, Doctor, Shown};
 use crate::color::Rgb;
 use crate::diagnostic::Diagnostic;
 use crate::io::{FileAccess, Warnings, scene_file};
-use crate::render::{RenderOptions, render};
+use crate::render::{Crop, RenderOptions, render};
 use crate::scene::Studio;
 use crate::scene::description::*;
 use crate::{Scene, SceneDescription};
@@ -309,6 +309,30 @@ fn what_is_seen_through_is_not_black() {
     let words = ["what it sees is all black"];
     texts_told_apart("picture-black", &words, &sheet(1.0, 16), &sheet(0.4, 16));
     not_told("picture-black", &sheet(0.7, 4));
+}
+
+/// Of a part of the picture it is not known what its rays met, only whether anything shows.
+#[test]
+fn a_black_part_of_a_picture_is_told() {
+    let crop = Some(Crop { x: 4, y: 4, width: 4, height: 4 });
+    let is_told = |opacity: f32| {
+        let scene = read(&format!(
+            "film = {{ resolution = [24, 16], samples = 16 }}
+            background = 1
+            camera.perspective = {{ position = [0, -4, 0], target = [0, 0, 0] }}
+            materials.black.lambert = {{ reflectance = 0, opacity = {opacity} }}
+            surfaces.sheet = {{ quad = {{ corner = [-9, 0, -9], edge_u = [18, 0, 0], edge_v = [0, 0, 18] }}, material = 'black' }}
+            lights.lamp.point = {{ position = [0, -4, 1], power = '100 W' }}"
+        ));
+        let built = Scene::build(&scene);
+        let options = RenderOptions { crop, ..RenderOptions::default() };
+        let rendered = render(&built, &options, &|_| ControlFlow::Continue(()));
+        let (exposure_ev, auto_exposure, developed, noise) = (0.0, false, true, None);
+        let shown = Shown { rendered: &rendered, exposure_ev, auto_exposure, developed, noise };
+        let found = Doctor::new(&scene, &built).judge(&shown);
+        found.iter().any(|finding| finding.code == "picture-black")
+    };
+    assert_eq!([0.999_999, 0.4].map(is_told), [true, false]);
 }
 
 /// A small window that few of so few paths have found.
@@ -863,6 +887,15 @@ fn pictures_on_surfaces() {
         material.scattering = Scattering::Matte { roughness };
     });
     told_apart("texture-role", &["as numbers"], &both, &whole);
+    // Greys are how much there is of anything, in 16 bits as well.
+    let deep = |texel: fn(u16) -> [u16; 4]| {
+        let mut scene = both.clone();
+        let texels = Texels::Srgb16((0..256).map(texel).collect());
+        scene.images[0] = Arc::new(Pixels { texels, ..(*scene.images[0]).clone() });
+        scene
+    };
+    let (color, grey) = (deep(|i| [200 * i, 90, 40, !0]), deep(|i| [200 * i; 4]));
+    told_apart("texture-role", &["as numbers"], &color, &grey);
     // All that are colours, and what is packed into their alpha.
     let colors = with_picture(16, stripes, |material, texture| {
         let sheen_roughness = Scalar { texture: texture.clone(), channel: 3, complement: false };

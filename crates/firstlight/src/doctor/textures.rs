@@ -158,7 +158,11 @@ impl Roles {
 
     /// A picture that is both.
     fn mixed(&self, scene: &SceneDescription) -> Option<Diagnostic> {
-        let colored = |image: &usize| !matches!(&scene.images[*image].texels, Texels::Srgb8(texels) if is_grey(texels));
+        let colored = |image: &usize| match &scene.images[*image].texels {
+            Texels::Srgb8(texels) => !is_grey(texels),
+            Texels::Srgb16(texels) => !is_grey(texels),
+            Texels::Linear(_) => true,
+        };
         let (image, material) = self
             .colors
             .iter()
@@ -196,7 +200,7 @@ impl Roles {
     }
 }
 
-fn is_grey(texels: &[[u8; 4]]) -> bool {
+fn is_grey<T: PartialEq>(texels: &[[T; 4]]) -> bool {
     texels.iter().step_by(texels.len() / TEXELS + 1).all(|[r, g, b, _]| r == g && g == b)
 }
 

@@ -1,7 +1,7 @@
 //! Which files a scene may open, and how much it may unpack.
 
 use crate::diagnostic::{Diagnostic, Result};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -29,6 +29,8 @@ pub struct FileAccess {
     target: Option<PathBuf>,
     allowed: Vec<PathBuf>,
     opened: Arc<Mutex<BTreeSet<PathBuf>>>,
+    /// What is in the folders that were looked through: names by their small letters.
+    listings: Arc<Mutex<BTreeMap<PathBuf, BTreeMap<String, String>>>>,
     /// Limits for what is decoded.
     pub limits: Limits,
 }
@@ -44,6 +46,7 @@ impl FileAccess {
             target: target.map(|target| folder_of(&target)),
             allowed: allowed.to_vec(),
             opened: Arc::default(),
+            listings: Arc::default(),
             limits: Limits::default(),
         }
     }
@@ -55,6 +58,7 @@ impl FileAccess {
         inner.allowed.push(self.folder.clone());
         inner.limits = self.limits;
         inner.opened = Arc::clone(&self.opened);
+        inner.listings = Arc::clone(&self.listings);
         inner
     }
 
@@ -106,10 +110,10 @@ impl FileAccess {
         ))
     }
 
-    /// The bytes of `name`; if it is not there, of what it must have meant, and how that is called from the scene's folder.
+    /// The bytes of `name`; if it cannot be opened, of what it must have meant, and how that is called from the scene's folder.
     ///
     /// Models go from one machine to another, and keep the paths of the first: so ends of the path are looked for, from
-    /// all of it down to the file name alone, in any case of letters.
+    /// all of it down to the file name alone, in any case of letters; but never upwards.
     ///
     /// # Errors
     /// As [`FileAccess::read`] of `name`.
@@ -122,10 +126,32 @@ impl FileAccess {
         };
         let parts: Vec<&str> = name.split(['/', '\\']).collect();
         let ends = (parts.len().saturating_sub(DEPTH)..parts.len()).map(|start| &parts[start..]);
+        let ends = ends.filter(|end| !end.contains(&".."));
         let roots = || std::iter::once(&self.folder).chain(&self.target);
-        let meant = ends.flat_map(|end| roots().filter_map(move |root| in_any_case(root, end)));
+        let meant =
+            ends.flat_map(|end| roots().filter_map(move |root| self.in_any_case(root, end)));
         let mut found = meant.filter_map(|name| Some((self.read(&name).ok()?, Some(name))));
         found.next().ok_or(error)
+    }
+
+    /// The path of these folders and a file as it is written below `root`, if it is there but for the case of letters.
+    fn in_any_case(&self, root: &Path, parts: &[&str]) -> Option<String> {
+        let mut path = root.to_owned();
+        let mut names = Vec::with_capacity(parts.len());
+        for part in parts {
+            let there = path.join(part).exists();
+            let name = if there { (*part).into() } else { self.alike(&path, part)? };
+            path.push(&name);
+            names.push(name);
+        }
+        Some(names.join("/"))
+    }
+
+    /// The first name in `folder` that is `name` but for the case of letters.
+    fn alike(&self, folder: &Path, name: &str) -> Option<String> {
+        let mut listings = self.listings.lock().unwrap_or_else(PoisonError::into_inner);
+        let names = listings.entry(folder.to_owned()).or_insert_with(|| listing(folder));
+        names.get(&name.to_lowercase()).cloned()
     }
 
     /// `name` in the scene's folder or, if it is not there, beside the file that the scene is a link to.
@@ -181,24 +207,13 @@ pub(crate) fn cause(error: &std::io::Error) -> String {
     }
 }
 
-/// The path of these folders and a file as it is written below `root`, if it is there but for the case of letters.
-fn in_any_case(root: &Path, parts: &[&str]) -> Option<String> {
-    let mut path = root.to_owned();
-    let mut names = Vec::with_capacity(parts.len());
-    for part in parts {
-        let name = if path.join(part).exists() { (*part).into() } else { alike(&path, part)? };
-        path.push(&name);
-        names.push(name);
-    }
-    Some(names.join("/"))
-}
-
-/// The first name in `folder` that is `name` but for the case of letters.
-fn alike(folder: &Path, name: &str) -> Option<String> {
-    let lower = name.to_lowercase();
-    let entries = std::fs::read_dir(folder).ok()?;
+/// The names in `folder` by their small letters; of those that then are the same, the first.
+fn listing(folder: &Path) -> BTreeMap<String, String> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten();
     let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
-    names.filter(|name| name.to_lowercase() == lower).min()
+    let mut names: Vec<String> = names.collect();
+    names.sort_unstable_by(|a, b| b.cmp(a));
+    names.into_iter().map(|name| (name.to_lowercase(), name)).collect()
 }
 
 fn folder_of(path: &Path) -> PathBuf {
@@ -260,6 +275,15 @@ mod tests {
         }
         let outside = FileAccess::beside(&folder.path().join("Tex/m.obj"), &[]);
         assert!(outside.read_meant("../STONE.png").is_err());
+        // With permission for the folder above, what is there is still not looked for by other names.
+        let allowed = [folder.path().to_owned()];
+        let above = FileAccess::beside(&folder.path().join("Tex/m.obj"), &allowed);
+        assert!(
+            above.read_meant("../stone.png").is_ok() && above.read_meant("../STONE.png").is_err()
+        );
+        std::fs::write(folder.path().join("Tex/Stone.png"), "here").unwrap();
+        let found = FileAccess::beside(&folder.path().join("Tex/m.obj"), &[]);
+        assert_eq!(found.read_meant("../stone.PNG").unwrap().1.as_deref(), Some("Stone.png"));
     }
 
     #[cfg(unix)]

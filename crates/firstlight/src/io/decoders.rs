@@ -1,13 +1,13 @@
 //! Pictures in the formats whose decoders the crate `image` brings: JPEG, WebP, TGA, BMP, TIFF, GIF.
 
 use super::pixels::{Input, rgba, unreadable};
-use crate::diagnostic::Result;
+use crate::diagnostic::{Diagnostic, Result};
 use crate::scene::description::Pixels;
 use image::codecs::{
     bmp::BmpDecoder, gif::GifDecoder, jpeg::JpegDecoder, tga::TgaDecoder, tiff::TiffDecoder,
     webp::WebPDecoder,
 };
-use image::{ColorType, ImageDecoder};
+use image::{ColorType, ImageDecoder, ImageError};
 use std::io::Cursor;
 
 /// More pixels than any of these formats puts into a byte of file; but WebP, in which one colour everywhere takes nothing.
@@ -78,9 +78,9 @@ pub(super) fn gif(input: &Input) -> Result<Pixels> {
 fn opened(
     input: &Input,
     packed: u64,
-    decoder: std::result::Result<impl ImageDecoder, image::ImageError>,
+    decoder: std::result::Result<impl ImageDecoder, ImageError>,
 ) -> Result<Pixels> {
-    let mut decoder = decoder.map_err(|e| unreadable(input, &e))?;
+    let mut decoder = decoder.map_err(|e| refused(input, &e))?;
     let (width, height) = decoder.dimensions();
     let color = decoder.color_type();
     let sample_bytes = color.bytes_per_pixel() / color.channel_count();
@@ -92,7 +92,7 @@ fn opened(
     decoder.set_limits(limits).map_err(|e| unreadable(input, &e))?;
     let channels = usize::from(color.channel_count());
     let mut bytes = vec![0; count * usize::from(color.bytes_per_pixel())];
-    decoder.read_image(&mut bytes).map_err(|e| unreadable(input, &e))?;
+    decoder.read_image(&mut bytes).map_err(|e| refused(input, &e))?;
     match color {
         ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => {
             Ok(input.srgb(width, height, rgba(&bytes, channels, u8::MAX)))
@@ -107,6 +107,20 @@ fn opened(
                 bytes.as_chunks().0.iter().map(|&b| f32::from_ne_bytes(b)).collect();
             input.linear(width, height, rgba(&samples, channels, 1.0))
         }
-        other => Err(input.fail(format!("pictures of {other:?} cannot be read")).into()),
+        other => {
+            Err(input.fail(format!("pictures of {other:?} cannot be read")).help(INSTEAD).into())
+        }
+    }
+}
+
+/// What to do with the many kinds of picture that a format may hold and its decoder does not know.
+const INSTEAD: &str = "save it as PNG or EXR";
+
+/// Passes on what a decoder says, with help if the file is of a kind it does not know.
+fn refused(input: &Input, error: &ImageError) -> Diagnostic {
+    let complaint = unreadable(input, error);
+    match error {
+        ImageError::Unsupported(_) => complaint.help(INSTEAD),
+        _ => complaint,
     }
 }

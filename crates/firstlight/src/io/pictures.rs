@@ -1,10 +1,11 @@
 //! The pictures that model files name: opened once each, with a stand-in for those that cannot be used.
 
 use super::text::{Tally, counted, quoted};
-use super::{FileAccess, Warnings, pixels};
+use super::{FileAccess, Limits, Warnings, pixels};
 use crate::diagnostic::{Diagnostic, Place, Result};
 use crate::scene::description::{Pattern, Pixels, Sampling, Texels, Texture, UvTransform, Wrap};
 use crate::shading::texture::{Role, texel};
+use glam::Vec4;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -29,21 +30,28 @@ pub(super) struct Named<'a> {
 /// What is shown of colours whose picture cannot be used.
 pub(super) const SQUARES: &str = "magenta and black squares stand in for it";
 
-/// Values of a picture, times `gain`, plus `base`, as far as they stay from 0 to 1.
+/// What is shown of a picture, and not a stand-in, whose colours are no numbers.
+pub(super) fn only_picture(texture: Texture) -> Option<Texture> {
+    matches!(texture.pattern, Pattern::Image { .. }).then_some(texture)
+}
+
+/// Values of a picture, RGBA, times `gain`, plus `base`, as far as they stay from 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Range {
     /// What its values are.
     pub(super) role: Role,
-    pub(super) gain: f32,
-    pub(super) base: f32,
+    pub(super) gain: Vec4,
+    pub(super) base: Vec4,
+    /// The channel that stands for all of them, if one does.
+    pub(super) channel: Option<usize>,
 }
 
 impl Range {
     fn apply(self, pixels: &Pixels) -> Pixels {
         let changed = |index| {
-            let [rgb @ .., a] = texel(pixels, index, self.role).to_array();
-            let [r, g, b] = rgb.map(|value| (self.base + self.gain * value).clamp(0.0, 1.0));
-            [r, g, b, a]
+            let texel = texel(pixels, index, self.role);
+            let texel = self.channel.map_or(texel, |channel| Vec4::splat(texel[channel]));
+            (self.base + self.gain * texel).clamp(Vec4::ZERO, Vec4::ONE).to_array()
         };
         let count = pixels.width as usize * pixels.height as usize;
         let texels = Texels::Linear((0..count).map(changed).collect());
@@ -55,8 +63,10 @@ impl Range {
 pub(super) struct Pictures<'a> {
     access: &'a FileAccess,
     known: HashMap<String, Option<usize>>,
-    /// Pictures by their number, with changed values.
-    ranges: Vec<(usize, Range, usize)>,
+    /// Pictures by their number, with changed values, if there was room for them.
+    ranges: Vec<(usize, Range, Option<usize>)>,
+    /// Bytes for more of them.
+    left: u64,
     images: Vec<Arc<Pixels>>,
     /// Those that are not where the model says.
     moved: Tally,
@@ -71,6 +81,8 @@ impl<'a> Pictures<'a> {
             access,
             known: HashMap::new(),
             ranges: Vec::new(),
+            // Four of the largest size allowed, or many of the usual ones.
+            left: access.limits.decoded_bytes.saturating_mul(4),
             images: Vec::new(),
             moved: Tally::default(),
             example: String::new(),
@@ -80,9 +92,9 @@ impl<'a> Pictures<'a> {
     /// Those that could be read, as [`Pattern::Image`] numbers them.
     pub(super) fn finish(self, warnings: &mut Warnings) -> Vec<Arc<Pixels>> {
         self.moved.warn(warnings, |count| match count {
-            1 => format!("a picture is not where the model says: {}", self.example),
+            1 => format!("a picture cannot be opened where the model says: {}", self.example),
             _ => format!(
-                "{} are not where the model says, such as {}",
+                "{} cannot be opened where the model says, such as {}",
                 counted(count, "picture"),
                 self.example
             ),
@@ -94,25 +106,41 @@ impl<'a> Pictures<'a> {
     ///
     /// If it cannot be used, a warning says so and a checker of magenta and black is in its place.
     pub(super) fn texture(&mut self, named: Named<'_>, warnings: &mut Warnings) -> Texture {
-        let Some(image) = self.number(&named, warnings) else {
-            return Texture::stand_in();
-        };
-        let image = named.range.map_or(image, |range| self.ranged(image, range));
+        let image = self.number(&named, warnings);
+        let image = image.and_then(|image| self.ranged(image, &named, warnings));
+        let Some(image) = image else { return Texture::stand_in() };
         let Named { factor, transform, wrap, .. } = named;
         let (wrap, sampling) = ([wrap, wrap], Sampling::default());
         let pattern = Pattern::Image { image, uv_set: 0, transform, wrap, sampling };
         Texture { factor, pattern, vertex_colors: false }
     }
 
-    /// The number of a picture with changed values.
-    fn ranged(&mut self, image: usize, range: Range) -> usize {
+    /// The number of a picture with its values changed, if they are.
+    fn ranged(
+        &mut self,
+        image: usize,
+        named: &Named<'_>,
+        warnings: &mut Warnings,
+    ) -> Option<usize> {
+        let Some(range) = named.range else { return Some(image) };
         let known = self.ranges.iter().find(|(from, by, _)| (*from, *by) == (image, range));
         if let Some((.., number)) = known {
             return *number;
         }
-        self.images.push(Arc::new(range.apply(&self.images[image])));
-        self.ranges.push((image, range, self.images.len() - 1));
-        self.images.len() - 1
+        let changed = self.changed(image, range);
+        let number = self.add(changed, named, warnings);
+        self.ranges.push((image, range, number));
+        number
+    }
+
+    /// A copy of a picture with changed values, of 16 bytes a pixel.
+    fn changed(&mut self, image: usize, range: Range) -> Result<Pixels> {
+        let pixels = &self.images[image];
+        let limits = Limits { decoded_bytes: self.access.limits.decoded_bytes.min(self.left) };
+        let input = pixels::Input { bytes: &[], name: &pixels.name, limits: &limits };
+        let count = input.room_for(pixels.width.into(), pixels.height.into(), 16)?;
+        self.left -= 16 * count as u64;
+        Ok(range.apply(pixels))
     }
 
     /// Whether the picture that `texture` shows is transparent anywhere.
@@ -138,26 +166,37 @@ impl<'a> Pictures<'a> {
     }
 
     fn number(&mut self, named: &Named<'_>, warnings: &mut Warnings) -> Option<usize> {
-        let Named { file, place, otherwise, .. } = named;
-        if let Some(&number) = self.known.get(*file) {
+        if let Some(&number) = self.known.get(named.file) {
             return number;
         }
-        let number = match self.open(file, place) {
+        let opened = self.open(named.file, &named.place);
+        let number = self.add(opened, named, warnings);
+        self.known.insert(named.file.to_owned(), number);
+        number
+    }
+
+    /// The number of a new picture; if there is none, a warning says why.
+    fn add(
+        &mut self,
+        pixels: Result<Pixels>,
+        named: &Named<'_>,
+        warnings: &mut Warnings,
+    ) -> Option<usize> {
+        match pixels {
             Ok(pixels) => {
                 self.images.push(Arc::new(pixels));
                 Some(self.images.len() - 1)
             }
             Err(error) => {
+                let Named { file, otherwise, .. } = named;
                 let name = quoted(file.as_bytes());
                 let message = format!("cannot use the picture {name}: {}", error.message);
                 let advice = error.help.map(|help| help + "; ").unwrap_or_default();
-                let help = Some(advice + otherwise);
-                warnings.push(Diagnostic { message, place: place.clone(), help, code: MISSING });
+                let (help, place) = (Some(advice + otherwise), named.place.clone());
+                warnings.push(Diagnostic { message, place, help, code: MISSING });
                 None
             }
-        };
-        self.known.insert((*file).to_owned(), number);
-        number
+        }
     }
 
     /// Reads `file`, or what it must have meant.

@@ -10,7 +10,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 /// Decodes a picture; the format is recognised by its first bytes, not by the name.
 ///
 /// PNG, JPEG, WebP, KTX2, TGA, BMP, TIFF and GIF are taken as sRGB-encoded whatever colour profile they carry, as glTF
-/// demands. HDR, EXR, PFM and TIFF of floats are linear and may not hold NaN or
+/// demands. HDR, EXR, PFM and TIFF of RGB floats are linear and may not hold NaN or
 /// infinities. Of an EXR file the first layer with colour (R, G, B or one grey channel) is read, its data window being
 /// the picture; of TIFF and GIF the first picture.
 ///
@@ -54,16 +54,11 @@ const KNOWN: &str = "PNG, JPEG, WebP, KTX2, TGA, BMP, TIFF, GIF, HDR, EXR and PF
 /// As [`decode`].
 pub fn load_image(bytes: &[u8], name: &str, limits: &Limits) -> Result<Image> {
     let Pixels { width, height, texels, .. } = decode(bytes, name, limits)?;
+    let _ = Input { bytes, name, limits }.room_for(width.into(), height.into(), 16)?;
     let pixels = match texels {
         Texels::Linear(texels) => texels,
-        Texels::Srgb8(texels) => {
-            let _ = Input { bytes, name, limits }.room_for(width.into(), height.into(), 16)?;
-            texels.into_iter().map(linear).collect()
-        }
-        Texels::Srgb16(texels) => {
-            let _ = Input { bytes, name, limits }.room_for(width.into(), height.into(), 16)?;
-            texels.into_iter().map(deep_linear).collect()
-        }
+        Texels::Srgb8(texels) => texels.into_iter().map(linear).collect(),
+        Texels::Srgb16(texels) => texels.into_iter().map(deep_linear).collect(),
     };
     Ok(Image::from_pixels(width, height, pixels))
 }
@@ -384,6 +379,31 @@ mod tests {
         assert_eq!(sky, [0.5, 1.0, 70.0, 1.0]);
         let error = tiff(&floats([0.5, f32::NAN, 1.0]), ExtendedColorType::Rgb32F).unwrap_err();
         assert!(error.to_string().contains("not a finite number"), "{error}");
+    }
+
+    /// Of what its decoder does not know, the user learns what to do.
+    #[test]
+    fn kinds_of_tiff_that_cannot_be_read_get_help() {
+        let tag = |file: &mut Vec<u8>, number: u16, from: u16, to: u16| {
+            let entry = [number, 3].map(u16::to_le_bytes).concat();
+            let at = file.windows(4).position(|bytes| bytes == entry).expect("the tag") + 8;
+            assert_eq!(file[at..at + 2], from.to_le_bytes());
+            file[at..at + 2].copy_from_slice(&to.to_le_bytes());
+        };
+        let mut grey_float = Cursor::new(Vec::new());
+        let (format, color) = (ImageFormat::Tiff, ExtendedColorType::L16);
+        image::write_buffer_with_format(&mut grey_float, &[0; 4], 1, 2, color, format).unwrap();
+        let mut grey_float = grey_float.into_inner();
+        tag(&mut grey_float, 258, 16, 32);
+        tag(&mut grey_float, 339, 1, 3);
+        let mut luma = encoded(format);
+        tag(&mut luma, 262, 2, 6);
+        for file in [grey_float, luma] {
+            let error = complaint(&file, &Limits::default());
+            assert!(error.ends_with("help: save it as PNG or EXR"), "{error}");
+        }
+        let cut = complaint(&encoded(format)[..40], &Limits::default());
+        assert!(!cut.contains("help"), "{cut}");
     }
 
     /// TGA has no mark of its own: its header must not be found in texts and in other files.

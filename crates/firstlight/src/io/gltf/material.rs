@@ -8,6 +8,7 @@ use super::notes::Notes;
 use super::picture::Pictures;
 use crate::color::Rgb;
 use crate::diagnostic::Result;
+use crate::io::pictures::only_picture;
 use crate::scene::description::{
     Alpha, Facets, Interior, Material, NormalMap, OcclusionMap, Pattern, Pixels, Principled,
     Sampling, Scalar, Scattering, Texture, UvTransform, Wrap,
@@ -153,19 +154,19 @@ impl Reader<'_, '_, '_> {
         let Some(info) = info else { return Ok(None) };
         let texture = self.texture([1.0; 4], Some(info), field)?;
         let scale = info.scale.map_or(1.0, |scale| scale.0);
-        // A stand-in for a missing picture holds colours, not normals.
-        let found = matches!(texture.pattern, Pattern::Image { .. });
-        Ok(found.then_some(NormalMap { texture, scale }))
+        Ok(only_picture(texture).map(|texture| NormalMap { texture, scale }))
     }
 
     fn occlusion(&mut self, material: &document::Material) -> Result<Option<OcclusionMap>> {
         let Some(info) = material.occlusion_texture.as_deref() else { return Ok(None) };
         let texture = self.texture([1.0; 4], Some(info), "occlusionTexture")?;
         let strength = info.strength.map_or(1.0, |strength| strength.0.clamp(0.0, 1.0));
-        // A stand-in for a missing picture holds colours.
-        let found = matches!(texture.pattern, Pattern::Image { .. });
-        let open = Scalar { texture, channel: RED, complement: false };
-        Ok(found.then_some(OcclusionMap { open, strength }))
+        let open = only_picture(texture).map(|texture| Scalar {
+            texture,
+            channel: RED,
+            complement: false,
+        });
+        Ok(open.map(|open| OcclusionMap { open, strength }))
     }
 
     /// The metallic-roughness surface and its extensions.

@@ -103,8 +103,10 @@ impl Pictures {
                     Uri::File(name) => {
                         let (bytes, meant) = data.access.read_meant(&name)?;
                         if let Some(meant) = meant {
-                            notes
-                                .add(part, format!("{name} is not there: {meant} is taken for it"));
+                            notes.add(
+                                part,
+                                format!("{name} cannot be opened here; {meant} is taken"),
+                            );
                         }
                         bytes
                     }

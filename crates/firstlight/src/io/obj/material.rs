@@ -3,17 +3,25 @@
 use super::mtl::{Library, Map, Mtl};
 use crate::color::Rgb;
 use crate::diagnostic::{Diagnostic, Place};
-use crate::io::pictures::{Named, Pictures, Range, SQUARES};
+use crate::io::pictures::{Named, Pictures, Range, SQUARES, only_picture};
 use crate::io::text::{Tally, counted, did_you_mean, quoted};
 use crate::io::triangles::default_material;
 use crate::io::{FileAccess, Warnings};
 use crate::scene::description::{
-    Alpha, BumpAmount, BumpMap, Facets, Interior, Material, NormalMap, Pattern, Principled, Scalar,
+    Alpha, BumpAmount, BumpMap, Facets, Interior, Material, NormalMap, Principled, Scalar,
     Scattering, SceneDescription, Texture,
 };
 use crate::shading::texture::Role;
+use glam::{Vec3, Vec4};
 use indexmap::IndexMap;
 use std::f32::consts::TAU;
+
+/// What is shown where pictures of relief and of cut-outs cannot be used.
+const NO_RELIEF: &str = "no relief is shown";
+const UNCUT: &str = "nothing is cut out";
+
+/// The channel of a picture that says where it is transparent.
+const ALPHA: usize = 3;
 
 /// Adds the materials `used` (by name, with their first place) to `scene`, in their order.
 ///
@@ -107,9 +115,8 @@ struct Tallies {
 
 impl Maker<'_> {
     fn material(&mut self, name: &str, mtl: &Mtl) -> Material {
-        let reflectance = self.diffuse(mtl);
         let opacity = self.opacity(mtl);
-        let reflectance = self.texture(reflectance, opacity, mtl.diffuse_map.as_ref());
+        let reflectance = self.reflectance(mtl, opacity);
         let cut_out = self.has_cut_outs(mtl, &reflectance);
         let mask = self.mask(mtl);
         let emission = mtl.emission.unwrap_or(match mtl.emission_map {
@@ -141,8 +148,8 @@ impl Maker<'_> {
     /// Its maps of heights and of normals. Many programs write normals where heights belong; heights have no colour.
     fn relief<'m>(&mut self, mtl: &'m Mtl) -> (Option<&'m Map>, Option<&'m Map>) {
         let (heights, normals) = (mtl.bump_map.as_ref(), mtl.normal_map.as_ref());
-        let colored = heights.is_some_and(|map| {
-            let texture = self.numbers([1.0; 4], map, "no relief is shown");
+        let colored = heights.filter(|map| map.channel.is_none()).is_some_and(|map| {
+            let texture = self.picture([1.0; 4], map, None, NO_RELIEF);
             self.pictures.is_colored(&texture)
         });
         if colored { (None, normals.or(heights)) } else { (heights, normals) }
@@ -150,17 +157,16 @@ impl Maker<'_> {
 
     /// Heights; MTL does not say in which unit, so a height of 1 is a hundredth of the picture's width.
     fn bump(&mut self, map: &Map) -> Option<BumpMap> {
-        let texture = self.numbers([1.0; 4], map, "no relief is shown");
-        let found = matches!(texture.pattern, Pattern::Image { .. });
+        // From which height on makes no difference, so of -mm the gain is enough.
+        let texture = only_picture(self.picture([1.0; 4], map, None, NO_RELIEF))?;
         let height = Scalar { texture, channel: map.channel.unwrap_or(0), complement: false };
-        found.then_some(BumpMap { height, amount: BumpAmount::Relative(0.01 * map.strength) })
+        let amount = BumpAmount::Relative(0.01 * map.strength * map.gain);
+        Some(BumpMap { height, amount })
     }
 
     fn normal(&mut self, map: &Map) -> Option<NormalMap> {
-        let texture = self.numbers([1.0; 4], map, "no relief is shown");
-        // A stand-in for a missing picture holds colours, not normals.
-        let found = matches!(texture.pattern, Pattern::Image { .. });
-        found.then_some(NormalMap { texture, scale: map.strength })
+        let texture = only_picture(self.numbers([1.0; 4], map, NO_RELIEF))?;
+        Some(NormalMap { texture, scale: map.strength })
     }
 
     /// A solid that refracts; its colour is Tf, and d says nothing that Tf does not say better.
@@ -230,7 +236,8 @@ impl Maker<'_> {
         let sheen = fraction(mtl.sheen, if mtl.sheen_map.is_some() { 1.0 } else { 0.0 });
         let constant = Texture::constant(Rgb::splat(sheen));
         let Some(map) = mtl.sheen_map.as_ref().filter(|_| sheen != 0.0) else { return constant };
-        let range = Range { role: Role::Data, gain: map.gain, base: map.base };
+        let (gain, base) = (Vec4::splat(map.gain), Vec4::splat(map.base));
+        let range = Range { role: Role::Data, gain, base, channel: Some(map.channel.unwrap_or(0)) };
         self.picture(constant.factor, map, Some(range), SQUARES)
     }
 
@@ -247,12 +254,24 @@ impl Maker<'_> {
         let Some(map) = map else {
             return Texture { factor, ..Texture::constant(color) };
         };
-        self.picture(factor, map, range(map, Role::Color), SQUARES)
+        self.picture(factor, map, color_range(map, None), SQUARES)
+    }
+
+    /// Kd and its picture, whose alpha is as map_d has it if that names the same picture.
+    fn reflectance(&mut self, mtl: &Mtl, opacity: f32) -> Texture {
+        let color = self.diffuse(mtl);
+        let Some(map) = &mtl.diffuse_map else { return self.texture(color, opacity, None) };
+        let factor = color.extend(opacity).to_array();
+        let as_it_is = self.picture(factor, map, None, SQUARES);
+        let cut_out = masks_itself(mtl) && self.pictures.is_transparent(&as_it_is);
+        let alpha = mtl.opacity_map.as_ref().filter(|_| cut_out);
+        self.picture(factor, map, color_range(map, alpha), SQUARES)
     }
 
     /// A picture of numbers instead of colours.
     fn numbers(&mut self, factor: [f32; 4], map: &Map, otherwise: &'static str) -> Texture {
-        self.picture(factor, map, range(map, Role::Data), otherwise)
+        let (gain, base) = (Vec4::splat(map.gain), Vec4::splat(map.base));
+        self.picture(factor, map, range(Role::Data, gain, base), otherwise)
     }
 
     fn picture(
@@ -289,33 +308,38 @@ impl Maker<'_> {
         }
     }
 
-    /// Whether map_d names the same picture as map_Kd, and that is transparent somewhere.
+    /// Whether map_d means the alpha of map_Kd, and that is transparent somewhere.
     fn has_cut_outs(&mut self, mtl: &Mtl, reflectance: &Texture) -> bool {
         masks_itself(mtl) && self.pictures.is_transparent(reflectance)
     }
 
-    /// A map_d that is another picture than map_Kd: its alpha if it has one, else how bright it is.
+    /// A map_d that is another picture than map_Kd, or one of its colours: its alpha if it has one, else how bright it is.
     fn mask(&mut self, mtl: &Mtl) -> Option<Scalar> {
         let map = mtl.opacity_map.as_ref().filter(|_| !masks_itself(mtl))?;
-        let texture = self.numbers([1.0; 4], map, "nothing is cut out");
-        // A stand-in for a missing picture holds colours.
-        let found = matches!(texture.pattern, Pattern::Image { .. });
-        let alpha = self.pictures.is_transparent(&texture).then_some(3);
+        let as_it_is = self.picture([1.0; 4], map, None, UNCUT);
+        let alpha = self.pictures.is_transparent(&as_it_is).then_some(ALPHA);
+        let texture = only_picture(self.numbers([1.0; 4], map, UNCUT))?;
         let channel = map.channel.or(alpha).unwrap_or(0);
-        found.then_some(Scalar { texture, channel, complement: false })
+        Some(Scalar { texture, channel, complement: false })
     }
 }
 
-/// How -mm changes a picture, if it does.
-fn range(map: &Map, role: Role) -> Option<Range> {
-    let Map { gain, base, .. } = *map;
-    ((gain, base) != (1.0, 0.0)).then_some(Range { role, gain, base })
+/// How -mm changes a picture of colours, and its alpha that of `alpha`, if they do.
+fn color_range(map: &Map, alpha: Option<&Map>) -> Option<Range> {
+    let (gain, base) = alpha.map_or((1.0, 0.0), |map| (map.gain, map.base));
+    let gain = Vec3::splat(map.gain).extend(gain);
+    range(Role::Color, gain, Vec3::splat(map.base).extend(base))
 }
 
-/// Whether map_d names the same picture as map_Kd.
+fn range(role: Role, gain: Vec4, base: Vec4) -> Option<Range> {
+    let changes = (gain, base) != (Vec4::ONE, Vec4::ZERO);
+    changes.then_some(Range { role, gain, base, channel: None })
+}
+
+/// Whether map_d names the same picture as map_Kd, and none of its colours.
 fn masks_itself(mtl: &Mtl) -> bool {
-    let file = |map: &Option<Map>| map.as_ref().map(|map| map.file.clone());
-    mtl.opacity_map.is_some() && file(&mtl.opacity_map) == file(&mtl.diffuse_map)
+    let (Some(mask), Some(diffuse)) = (&mtl.opacity_map, &mtl.diffuse_map) else { return false };
+    mask.file == diffuse.file && mask.channel.is_none_or(|channel| channel == ALPHA)
 }
 
 impl Tallies {

@@ -120,14 +120,13 @@ impl Library {
     ) -> Result<Self> {
         let mut library = Self::default();
         for (names, place) in named.iter().take(MOST_LIBRARIES) {
-            // One name with blanks, or several names.
-            let whole = [names.as_str()];
-            let several: Vec<&str> = names.split_whitespace().take(MOST_LIBRARIES).collect();
-            let files = if access.resolve(names).is_ok() { &whole } else { several.as_slice() };
-            for file in files {
-                let file = file.replace('\\', "/");
+            for file in files(&names.replace('\\', "/"), access) {
                 match access.read_meant(&file) {
-                    Ok((bytes, meant)) => library.read(&bytes, &meant.unwrap_or(file))?,
+                    Ok((bytes, None)) => library.read(&bytes, &file)?,
+                    Ok((bytes, Some(meant))) => {
+                        warnings.push(moved(&file, &meant, place));
+                        library.read(&bytes, &meant)?;
+                    }
                     Err(error) => warnings.push(missing(&file, &error, place)),
                 }
             }
@@ -197,6 +196,24 @@ impl Library {
         self.twice.add_line_if(before.is_some(), name, line);
         Ok(index)
     }
+}
+
+/// The files that a line names: one with blanks in its name or its folder's, or several.
+fn files(names: &str, access: &FileAccess) -> Vec<String> {
+    let several: Vec<&str> = names.split_whitespace().take(MOST_LIBRARIES).collect();
+    let whole = match several.iter().all(|name| name.to_ascii_lowercase().ends_with(".mtl")) {
+        true => access.resolve(names).is_ok(),
+        false => access.read_meant(names).is_ok(),
+    };
+    if whole { vec![names.to_owned()] } else { several.into_iter().map(str::to_owned).collect() }
+}
+
+fn moved(file: &str, meant: &str, place: &Place) -> Diagnostic {
+    let [file, meant] = [file, meant].map(|name| quoted(name.as_bytes()));
+    let message = format!(
+        "a material file cannot be opened where the model says: {file}, for which {meant} is taken"
+    );
+    Diagnostic { message, place: place.clone(), ..Diagnostic::default() }
 }
 
 fn missing(file: &str, error: &Diagnostic, place: &Place) -> Diagnostic {
@@ -324,6 +341,7 @@ impl Map {
 
 /// The channel that `-imfchan` names. Luminance is red, as in all pictures of numbers; depth is in none.
 fn channel(name: &str) -> Option<usize> {
+    let name = if name == "l" { "r" } else { name };
     ["r", "g", "b", "m"].iter().position(|channel| *channel == name)
 }
 

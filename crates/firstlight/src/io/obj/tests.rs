@@ -1,7 +1,7 @@
 use super::*;
 use crate::color::Rgb;
 use crate::scene::description::{
-    Alpha, BumpAmount, Material, Pattern, Scalar, Scattering, Texture, Wrap,
+    Alpha, BumpAmount, BumpMap, Material, Pattern, Scalar, Scattering, Texture, Wrap,
 };
 use crate::shading::texture::Role;
 use glam::Vec2;
@@ -319,11 +319,62 @@ fn pictures_are_found_by_the_ends_of_their_paths() {
     assert!(found(&scene.materials[0].reflectance) && found(&scene.materials[0].emission));
     assert!(!found(&scene.materials[1].reflectance));
     let warnings: String = warnings.iter().map(|warning| format!("{warning}\n")).collect();
-    let moved = "M.MTL:2: 2 pictures are not where the model says, such as \"Tex/A Leaf.PNG\", for which \
+    let library = "x.obj:1: a material file cannot be opened where the model says: \"m.mtl\", for which \
+        \"M.MTL\" is taken";
+    assert!(warnings.contains(library), "{warnings}");
+    let moved = "M.MTL:2: 2 pictures cannot be opened where the model says, such as \"Tex/A Leaf.PNG\", for which \
         \"tex/a leaf.png\" is taken";
     assert!(warnings.contains(moved), "{warnings}");
     let formats = "help: PNG, JPEG, WebP, KTX2, TGA, BMP, TIFF, GIF, HDR, EXR and PFM can be read; magenta and";
     assert!(warnings.contains(formats), "{warnings}");
+}
+
+/// Blanks are in names, in those of folders, and between names.
+#[test]
+fn material_files_may_have_blanks_in_their_paths() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("sub")).unwrap();
+    for (name, color) in [("my car.mtl", "1 0 0"), ("a.mtl", "0 1 0"), ("b.mtl", "0 0 1")] {
+        std::fs::write(folder.path().join(name), format!("newmtl {name}\nKd {color}\n")).unwrap();
+    }
+    let known = |line: &str| {
+        let faces = "usemtl my car.mtl\nf 1 2 3\nusemtl a.mtl\nf 1 2 3\nusemtl b.mtl\nf 1 2 3\n";
+        let text = format!("mtllib {line}\nv 0 0 0\nv 1 0 0\nv 0 1 0\n{faces}");
+        let scene = load_in(folder.path(), &text).0.unwrap();
+        scene.materials.iter().map(|it| it.reflectance.factor[..3] != [0.5; 3]).collect::<Vec<_>>()
+    };
+    for line in ["my car.mtl", "My Car.MTL", "C:\\My Models\\my car.mtl", "../my stuff/My car.mtl"]
+    {
+        assert_eq!(known(line), [true, false, false], "{line}");
+    }
+    for line in ["a.mtl b.mtl", "old/a.mtl old/b.mtl", "A.mtl sub\\B.mtl"] {
+        assert_eq!(known(line), [false, true, true], "{line}");
+    }
+}
+
+/// Copies of pictures take sixteen bytes a pixel, each and together.
+#[test]
+fn changed_pictures_stay_within_the_limits() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = image::RgbaImage::from_pixel(8, 8, image::Rgba([9, 8, 7, 255]));
+    picture.save(folder.path().join("it.png")).unwrap();
+    let material = |i: u32| format!("newmtl {i}\nmap_Kd -mm 0.{i} 1 it.png\nmap_Ke it.png\n");
+    let mtl: String = (1..=5).map(material).collect();
+    std::fs::write(folder.path().join("m.mtl"), mtl).unwrap();
+    let faces: String = (1..=5).map(|i| format!("usemtl {i}\nf 1 2 3\n")).collect();
+    let text = format!("mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n{faces}");
+    let copies = |decoded_bytes: u64| {
+        let mut warnings = Warnings::new();
+        let mut access = FileAccess::beside(&folder.path().join("x.obj"), &[]);
+        access.limits.decoded_bytes = decoded_bytes;
+        let scene = read(text.as_bytes(), "x.obj", &access, &mut warnings).unwrap();
+        let shown = |it: &&Material| matches!(it.reflectance.pattern, Pattern::Image { .. });
+        let glows = |it: &Material| matches!(it.emission.pattern, Pattern::Image { .. });
+        assert!(scene.materials.iter().all(glows));
+        let full = warnings.iter().filter(|w| w.to_string().contains("would unpack to 1 KiB"));
+        (scene.materials.iter().filter(shown).count(), full.count())
+    };
+    assert_eq!([300, 1024, 2048].map(copies), [(0, 5), (4, 1), (5, 0)]);
 }
 
 /// A grey picture holds heights; one with colours can only hold normals, whatever its key says.
@@ -343,4 +394,64 @@ fn bump_maps_are_heights_unless_they_have_colours() {
     assert_eq!((b.normal.is_none(), amount), (true, Some(BumpAmount::Relative(0.005))));
     assert!(c.bump.is_none() && c.normal.is_none());
     assert!(warnings.iter().any(|warning| warning.to_string().contains("gone.png")));
+}
+
+/// What a height is does not depend on how high it is made; and one channel is no normal.
+#[test]
+fn heights_may_be_of_any_channel_and_range() {
+    let mtl = "newmtl a\nbump -bm 2 -mm 0.5 3 nearly grey.png\nnewmtl b\nbump -imfchan b blue.png\n\
+        newmtl c\nbump -mm 0 0.5 blue.png\n";
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("m.mtl"), mtl).unwrap();
+    write_picture(&folder.path().join("nearly grey.png"), [90, 95, 92, 255]);
+    write_picture(&folder.path().join("blue.png"), [128, 128, 255, 255]);
+    let faces = "usemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\nusemtl c\nf 1 2 3\n";
+    let text = format!("mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n{faces}");
+    let scene = load_in(folder.path(), &text).0.unwrap();
+    let [a, b, c] = &scene.materials[..] else { panic!("there are three") };
+    let bump = |material: &Material| {
+        let BumpMap { height, amount } = material.bump.clone()?;
+        Some((height.channel, amount))
+    };
+    assert_eq!(bump(a), Some((0, BumpAmount::Relative(0.01 * 2.0 * 3.0))));
+    assert_eq!(bump(b), Some((2, BumpAmount::Relative(0.01))));
+    assert!(c.bump.is_none() && c.normal.is_some());
+    // The heights are as the picture has them: only the normals are a copy.
+    assert_eq!(scene.images.len(), 3);
+}
+
+/// What `-imfchan` and `-mm` say is true of alpha and of the colour of sheen as well.
+#[test]
+fn channels_and_ranges_reach_alpha_and_sheen() {
+    let mtl = "newmtl a\nmap_Ps -imfchan b -mm 0.1 0.5 layers.png\nmap_d -mm 1 -1 layers.png\n\
+        newmtl b\nmap_d -imfchan l layers.png\nnewmtl c\nmap_Kd layers.png\nmap_d -mm 1 -1 layers.png\n\
+        newmtl d\nmap_Kd solid.png\nmap_d -mm 1 -1 solid.png\n";
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("m.mtl"), mtl).unwrap();
+    write_picture(&folder.path().join("layers.png"), [51, 102, 204, 153]);
+    write_picture(&folder.path().join("solid.png"), [51, 102, 204, 255]);
+    let faces = "usemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\nusemtl c\nf 1 2 3\nusemtl d\nf 1 2 3\n";
+    let text = format!("mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n{faces}");
+    let scene = load_in(folder.path(), &text).0.unwrap();
+    let [a, b, c, d] = &scene.materials[..] else { panic!("there are four") };
+    let texel = |texture: &Texture| {
+        let Pattern::Image { image, .. } = texture.pattern else { panic!("{texture:?}") };
+        crate::shading::texture::texel(&scene.images[image], 0, Role::Data)
+    };
+    let opacity = |material: &Material| {
+        material.opacity.as_ref().map(|mask| texel(&mask.texture)[mask.channel])
+    };
+    let close = |value: f32, expected: f32| {
+        assert!((value - expected).abs() < 1e-6, "{value}, expected {expected}");
+    };
+    let Scattering::Principled(p) = &a.scattering else { panic!("{a:?}") };
+    let sheen = texel(&p.sheen_color);
+    (0..3).for_each(|channel| close(sheen[channel], 0.1 + 0.5 * 0.8));
+    close(opacity(a).unwrap(), 0.4);
+    close(opacity(b).unwrap(), 0.2);
+    assert_eq!((opacity(c), c.alpha), (None, Alpha::Blend));
+    close(texel(&c.reflectance).w, 0.4);
+    close(texel(&c.reflectance).x, crate::color::srgb_decode(0.2));
+    // Without alpha there is nothing to turn round.
+    assert_eq!((opacity(d), d.alpha, texel(&d.reflectance).w), (None, Alpha::Opaque, 1.0));
 }

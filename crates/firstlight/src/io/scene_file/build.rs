@@ -1,5 +1,6 @@
 //! From what is written to a scene with indices.
 
+use super::color::Two;
 use super::document::{At, Document, Named, Span, in_order};
 use super::environment::{EnvironmentKeys, Surroundings};
 use super::light::{Lighting, SurfaceLightKeys};
@@ -177,8 +178,7 @@ impl Builder<'_> {
         pictures: &mut Pictures<'_>,
         warnings: &mut Warnings,
     ) -> Result<()> {
-        let parts =
-            keys.parts().map(|parts| parts.value.0.each_ref().map(|part| self.materials[part]));
+        let parts = keys.parts().map(|parts| self.mixed(parts)).transpose()?;
         let inside = |place: &usize| self.scene.materials[*place].interior;
         let interior = parts.iter().flatten().find_map(inside);
         let material = keys.describe(&name, (parts.unwrap_or_default(), interior), pictures)?;
@@ -190,6 +190,18 @@ impl Builder<'_> {
         self.scene.materials.push(material);
         self.materials.insert(name, self.scene.materials.len() - 1);
         Ok(())
+    }
+
+    /// The places of the materials that a mix names, which scatter light.
+    fn mixed(&self, parts: &At<Two<String>>) -> Result<[usize; 2]> {
+        let places = parts.value.0.each_ref().map(|part| self.materials[part]);
+        let unlit = places.iter().find(|place| self.scene.materials[**place].unlit);
+        unlit.map_or(Ok(places), |place| {
+            let name = quoted(&self.scene.materials[*place].name);
+            let message = format!("mixes {name}, which is unlit: a mix scatters light as its parts do");
+            let help = "give the mix an emission instead, or show both in the picture of one unlit material";
+            Err(self.document.error(&parts.span, message).help(help).into())
+        })
     }
 
     /// The complaint about the first of the mixes that cannot be made.

@@ -368,7 +368,7 @@ impl UnlitKeys {
         let emission = self.emission.take().map(|keys| pictures.texture(Some(keys), Rgb::ZERO));
         let emission = match (self.color.take(), emission.transpose()?) {
             (Some(At { span, .. }), Some(_)) => {
-                let message = "says again what emission says: of what has no light it is the color";
+                let message = "color and emission are the same thing here: keep one";
                 return Err(pictures.document.error(&span, message));
             }
             (Some(color), None) => pictures.texture(Some(color.value), Rgb::ONE)?,

@@ -738,7 +738,10 @@ fn every_kind_of_material_is_described() {
     );
     assert_eq!((sign.unlit, page.unlit, page.emission.factor), (true, true, [1.0; 4]));
     let twice = complaint("materials.a.unlit = { color = 1, emission = 2 }");
-    assert!(twice.contains("says again what emission says"), "{twice}");
+    assert!(twice.contains("color and emission are the same thing here: keep one"), "{twice}");
+    let part = "materials = { a.unlit = {}, b.mix = { materials = ['c', 'a'] }, c.lambert = {} }";
+    let part = complaint(part);
+    assert!(part.contains("mixes \"a\", which is unlit"), "{part}");
     let several = |name: &str| match &find(name).scattering {
         Scattering::Conductor { facets, .. } | Scattering::Dielectric { facets } => {
             facets.multiple_scattering
