@@ -75,12 +75,6 @@ impl Techniques {
         (self.lights * lights + self.bsdf * bsdf) / self.lights
     }
 
-    /// The part of light in such a direction that is asked for.
-    #[inline(always)]
-    fn weight(self, lights: f32, bsdf: f32) -> f32 {
-        1.0 / (1.0 + self.bsdf * bsdf / (self.lights * lights))
-    }
-
     /// The weight of light that was met in such a direction. What lights never pick is the BSDF's alone.
     #[inline(always)]
     fn met(self, lights: f32, bsdf: f32) -> f32 {
@@ -574,10 +568,10 @@ impl<'a> Path<'a> {
         let incoming = sample.incoming.as_vec3();
         let (scattered, pdf, start) = vertex.scattered(lobes, incoming)?;
         let (source, pdf_light) = (Source::Surface(light.surface), sample.pdf as f32);
-        let irradiance = self.scene.emitted_by(light, sample, vertex.walk.time)
-            / self.techniques.asked(chance * pdf_light, pdf);
+        let asked = self.techniques.asked(chance * pdf_light, pdf);
+        let irradiance = self.scene.emitted_by(light, sample, vertex.walk.time) / asked;
         let ray = Some(sample.shadow_ray(start, 0.0, light.error));
-        let weight = self.techniques.weight(chance * pdf_light, pdf);
+        let weight = chance * pdf_light / asked;
         let draw = Draw { solid_angle: pdf_light.recip(), chance, weight };
         Some(Answer { source, ray, incoming, scattered, irradiance, draw })
     }
@@ -593,9 +587,10 @@ impl<'a> Path<'a> {
     ) -> Option<Answer> {
         let incoming = sample.incoming;
         let (scattered, pdf, start) = vertex.scattered(lobes, incoming)?;
-        let irradiance = sample.radiance / self.techniques.asked(sample.pdf, pdf);
+        let asked = self.techniques.asked(sample.pdf, pdf);
+        let irradiance = sample.radiance / asked;
         let ray = Some(Ray::new(start, incoming));
-        let weight = self.techniques.weight(sample.pdf, pdf);
+        let weight = sample.pdf / asked;
         let draw = Draw { solid_angle: sample.pdf.recip(), chance: 1.0, weight };
         Some(Answer { source, ray, incoming, scattered, irradiance, draw })
     }

@@ -2,7 +2,7 @@
 //! that have come far, and all where turns do not pay.
 
 use super::group::Group;
-use super::layout::{Child, EntryPlanes, Tree};
+use super::layout::{Child, Tree};
 use super::traverse::{FLATTENED, HitFilter, Others, Search, Stack};
 use crate::geometry::{Hit, Ray};
 use crate::simd::{LANES, Simd};
@@ -35,8 +35,7 @@ impl<O: Others> Walk<'_, O> {
             lanes &= lanes - 1;
             let (ray, hit) = (&self.rays[LANES * g + lane], &mut self.hits[LANES * g + lane]);
             let search = Search { simd, ray, filter: self.filter, flags: self.flags };
-            let entry = EntryPlanes::of(group.octant_of(lane));
-            let prepared = (group.slabs_of(simd, lane, entry), group.shear_of(simd, lane));
+            let prepared = (group.slabs_of(simd, lane), group.shear_of(simd, lane));
             let start = (self.tree, start);
             if search.walk_from::<O, ANY>(start, ray, prepared, FLATTENED, self.others, hit, stack)
             {

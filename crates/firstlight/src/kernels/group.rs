@@ -154,13 +154,6 @@ impl Group {
         (uniform(x) && uniform(y) && uniform(z)).then_some(x & 1 | y & 2 | z & 4)
     }
 
-    /// The signs of one ray's direction as bits.
-    #[inline(always)]
-    pub(super) fn octant_of(&self, lane: usize) -> u32 {
-        let [x, y, z] = self.signs.map(|signs| signs >> lane & 1);
-        x | y << 1 | z << 2
-    }
-
     /// Which rays have no answer yet.
     #[inline(always)]
     pub(super) fn looking<S: Simd>(&self, simd: S) -> u32 {
@@ -217,19 +210,13 @@ impl Group {
         }
     }
 
-    /// One of its rays, prepared for boxes; it enters them through the planes of `entry`.
+    /// One of its rays, prepared for boxes.
     #[inline(always)]
-    pub(super) fn slabs_of<S: Simd>(
-        &self,
-        simd: S,
-        lane: usize,
-        entry: &'static EntryPlanes,
-    ) -> Slabs<S> {
+    pub(super) fn slabs_of<S: Simd>(&self, simd: S, lane: usize) -> Slabs<S> {
         Slabs {
             scale: splat(simd, &self.scale, lane),
             near: splat(simd, &self.near, lane),
             far: splat(simd, &self.far, lane),
-            entry,
             t_min: simd.splat(self.t_min.0[lane]),
             simd,
         }

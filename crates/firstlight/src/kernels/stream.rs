@@ -86,7 +86,7 @@ impl<S: Simd> Walker<S> {
     fn nowhere(simd: S) -> Self {
         let group = Group::EMPTY;
         Self {
-            slabs: group.slabs_of(simd, 0, EntryPlanes::of(0)),
+            slabs: group.slabs_of(simd, 0),
             shear: group.shear_of(simd, 0),
             ray: 0,
             hit: Hit::none(0.0),
@@ -99,15 +99,8 @@ impl<S: Simd> Walker<S> {
 
     /// Sets out from the root with one ray of a group.
     #[inline(always)]
-    fn start(
-        &mut self,
-        simd: S,
-        (group, lane, entry): (&Group, usize, &'static EntryPlanes),
-        ray: u32,
-        hit: Hit,
-    ) {
-        self.slabs = group.slabs_of(simd, lane, entry);
-        self.shear = group.shear_of(simd, lane);
+    fn start(&mut self, simd: S, (group, lane): (&Group, usize), ray: u32, hit: Hit) {
+        (self.slabs, self.shear) = (group.slabs_of(simd, lane), group.shear_of(simd, lane));
         (self.ray, self.hit, self.at, self.top) = (ray, hit, Child::node(0), 1);
     }
 
@@ -177,7 +170,6 @@ impl<S: Simd> Walker<S> {
 }
 
 /// Numbers of walkers.
-#[derive(Clone, Copy)]
 struct Queue {
     /// Twice as long as it may become, as some are written that do not stay.
     walkers: [u8; 2 * WALKERS],
@@ -252,7 +244,7 @@ impl<'a, S: Simd, O: Others> Stream<'a, S, O> {
     #[inline(always)]
     fn answer<const ANY: bool>(&mut self, octant: u32, rays: &[u32]) {
         let mut queues = Queues::all_idle();
-        let mut next = self.set_out(rays, 0, octant, &mut queues);
+        let mut next = self.set_out(rays, 0, &mut queues);
         while queues.at_nodes.len > 0 {
             // Compiled once for each, so that which planes rays enter through is no variable.
             match octant {
@@ -266,19 +258,13 @@ impl<'a, S: Simd, O: Others> Stream<'a, S, O> {
                 _ => self.walk::<ANY, 7>(&mut queues),
             }
             self.meet::<ANY>(&mut queues);
-            next = self.set_out(rays, next, octant, &mut queues);
+            next = self.set_out(rays, next, &mut queues);
         }
     }
 
     /// Idle walkers take up rays from number `next` on; returns that of the ray after them.
     #[inline(always)]
-    fn set_out(
-        &mut self,
-        rays: &[u32],
-        mut next: usize,
-        octant: u32,
-        queues: &mut Queues,
-    ) -> usize {
+    fn set_out(&mut self, rays: &[u32], mut next: usize, queues: &mut Queues) -> usize {
         while queues.idle.len > 0 && next < rays.len() {
             queues.idle.len -= 1;
             let walker = queues.idle.get(queues.idle.len);
@@ -290,7 +276,7 @@ impl<'a, S: Simd, O: Others> Stream<'a, S, O> {
                 self.group.prepare(self.simd, self.walk.tree.reach);
             }
             let (ray, hit) = (rays[next], self.walk.hits[rays[next] as usize]);
-            let group = (&self.group, next % LANES, EntryPlanes::of(octant));
+            let group = (&self.group, next % LANES);
             self.walkers[walker].start(self.simd, group, ray, hit);
             queues.at_nodes.push_if(true, walker);
             next += 1;

@@ -121,6 +121,56 @@ impl Stack {
         }
         None
     }
+
+    /// The nearest of the boxes of node `index` that a ray has met, each where it enters it; the others wait. If there is
+    /// none, what waits nearer than `t`, above the level `base`.
+    #[inline(always)]
+    fn enter<S: Simd, const ANY: bool>(
+        &mut self,
+        simd: S,
+        tree: &Tree,
+        index: usize,
+        (mut met, enter): (u32, S::F),
+        (t, base): (f32, usize),
+    ) -> Option<Child> {
+        let node = &tree.nodes[index];
+        if met == 0 {
+            return self.pop(base, t);
+        }
+        let slot = met.trailing_zeros() as usize % LANES;
+        met &= met - 1;
+        if met == 0 {
+            return Some(node.child(slot));
+        }
+        let enter = enter.to_array();
+        let first = Waiting::new(node.child(slot), enter[slot]);
+        let slot = met.trailing_zeros() as usize % LANES;
+        met &= met - 1;
+        let second = Waiting::new(node.child(slot), enter[slot]);
+        tree.prefetch(simd, second.child());
+        let (first, second) =
+            if ANY { (second, first) } else { (first.min(second), first.max(second)) };
+        if met == 0 {
+            self.push(second);
+            return Some(first.child());
+        }
+        let floor = self.len;
+        self.push(second);
+        self.push(first);
+        while met != 0 {
+            let slot = met.trailing_zeros() as usize % LANES;
+            met &= met - 1;
+            let waiting = Waiting::new(node.child(slot), enter[slot]);
+            tree.prefetch(simd, waiting.child());
+            if ANY {
+                self.push(waiting);
+            } else {
+                self.push_sorted(waiting, floor);
+            }
+        }
+        self.len -= 1;
+        Some(self.entries[self.len % Stack::SIZE].child())
+    }
 }
 
 impl<S: Simd> Search<'_, S> {
@@ -156,12 +206,14 @@ impl<S: Simd> Search<'_, S> {
         hit: &mut Hit,
         stack: &mut Stack,
     ) -> bool {
+        let entry = EntryPlanes::of(ray.direction.is_negative_bitmask());
         let (base, mut found) = (stack.len, false);
         let mut next = Some(start);
         while let Some(child) = next {
             next = match child.target() {
                 Target::Node(index) => {
-                    slabs.enter::<ANY>(tree, &tree.nodes[index], hit.t, stack, base)
+                    let met = slabs.meet(entry, &tree.nodes[index], hit.t);
+                    stack.enter::<S, ANY>(self.simd, tree, index, met, (hit.t, base))
                 }
                 Target::Block(index) => {
                     let block = &tree.blocks[index];
@@ -211,7 +263,6 @@ pub(super) struct Slabs<S: Simd> {
     pub scale: [S::F; 3],
     pub near: [S::F; 3],
     pub far: [S::F; 3],
-    pub entry: &'static EntryPlanes,
     pub t_min: S::F,
     pub simd: S,
 }
@@ -230,8 +281,7 @@ impl<S: Simd> Slabs<S> {
             near[axis] = simd.splat(-(o + pad) * reciprocal);
             far[axis] = simd.splat(-(o - pad) * reciprocal);
         }
-        let entry = EntryPlanes::of(ray.direction.is_negative_bitmask());
-        Self { scale, near, far, entry, t_min: simd.splat(ray.t_min), simd }
+        Self { scale, near, far, t_min: simd.splat(ray.t_min), simd }
     }
 
     /// Which of a node's boxes the ray, which enters them through the planes of `entry`, meets before `t`, and where
@@ -254,56 +304,6 @@ impl<S: Simd> Slabs<S> {
         ];
         let leave = x.min(y).min(z.min(simd.splat(t)));
         (enter.le(leave).bits(), enter)
-    }
-
-    /// The nearest child of `node` that the ray meets before `t`; the others wait on the stack. If there is none, what
-    /// waits there above `base`.
-    #[inline(always)]
-    pub(super) fn enter<const ANY: bool>(
-        &self,
-        tree: &Tree,
-        node: &Node,
-        t: f32,
-        stack: &mut Stack,
-        base: usize,
-    ) -> Option<Child> {
-        let (mut met, enter) = self.meet(self.entry, node, t);
-        if met == 0 {
-            return stack.pop(base, t);
-        }
-        let slot = met.trailing_zeros() as usize % LANES;
-        met &= met - 1;
-        if met == 0 {
-            return Some(node.child(slot));
-        }
-        let enter = enter.to_array();
-        let first = Waiting::new(node.child(slot), enter[slot]);
-        let slot = met.trailing_zeros() as usize % LANES;
-        met &= met - 1;
-        let second = Waiting::new(node.child(slot), enter[slot]);
-        tree.prefetch(self.simd, second.child());
-        let (first, second) =
-            if ANY { (second, first) } else { (first.min(second), first.max(second)) };
-        if met == 0 {
-            stack.push(second);
-            return Some(first.child());
-        }
-        let floor = stack.len;
-        stack.push(second);
-        stack.push(first);
-        while met != 0 {
-            let slot = met.trailing_zeros() as usize % LANES;
-            met &= met - 1;
-            let waiting = Waiting::new(node.child(slot), enter[slot]);
-            tree.prefetch(self.simd, waiting.child());
-            if ANY {
-                stack.push(waiting);
-            } else {
-                stack.push_sorted(waiting, floor);
-            }
-        }
-        stack.len -= 1;
-        Some(stack.entries[stack.len % Stack::SIZE].child())
     }
 }
 
