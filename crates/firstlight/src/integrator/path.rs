@@ -31,7 +31,7 @@ use crate::shading::bsdf::{Bsdf, Frame, Kind, Lobe};
 use crate::shading::interaction::{SurfaceInteraction, clearance};
 use crate::shading::light::LightSample;
 use crate::shading::light::area::{AreaLight, Look, Views};
-use crate::shading::light::environment::EnvironmentSample;
+use crate::shading::light::environment::{Ask, Environment, EnvironmentSample, Meet};
 use crate::shading::light::shape::ShapeSample;
 use crate::shading::volume::HenyeyGreenstein;
 use crate::simd::Level;
@@ -94,6 +94,8 @@ pub(crate) struct Scratch {
     hits: Vec<Hit>,
     /// The points that they met.
     met: Vec<Option<SurfaceInteraction>>,
+    /// What those that met nothing get from the environment.
+    sky: Vec<(Rgb, f32)>,
     vertices: Vec<Vertex>,
     /// What the vertices' surfaces do with light.
     lobes: Vec<Lobe>,
@@ -114,6 +116,8 @@ struct Draws {
     pairs: [Vec<Vec2>; 2],
     /// What the vertices see of an area light by the first pairs.
     views: Views,
+    /// What they get from the environment by them.
+    sky: Vec<EnvironmentSample>,
 }
 
 impl Draws {
@@ -311,13 +315,19 @@ impl<'a> Path<'a> {
         scratch: &mut Scratch,
         recorder: &mut impl Recorder,
     ) {
-        let Scratch { rays, walks, hits, met, vertices, lobes, samples, on_surface, .. } = scratch;
+        let Scratch { rays, walks, hits, met, sky, vertices, lobes, samples, on_surface, .. } =
+            scratch;
         vertices.clear();
         lobes.clear();
         self.scene.level().run(Interactions { scene: self.scene, rays, hits, points: met });
+        if let Some((environment, _)) = &self.scene.environment {
+            self.scene.level().run(Meet { environment, rays, hits, met: sky });
+        }
+        let mut sky = sky.drain(..);
         for (((ray, walk), hit), surface) in rays.iter().zip(&*walks).zip(&*hits).zip(&*met) {
             let (mut walk, points) = (*walk, &points[walk.sample as usize]);
             let pairs = Bounce::new(bounce);
+            let sky = if hit.is_some() { None } else { sky.next() };
             let crossing = surface.as_ref().and_then(|surface| {
                 walk.cross(self.scene, surface, || points.pair(pairs.channel()).x)
             });
@@ -341,7 +351,7 @@ impl<'a> Path<'a> {
                 if bounce == 0 && self.transparent {
                     samples[walk.sample as usize].alpha = 0.0;
                 } else {
-                    for (source, radiance) in self.behind_all(bounce, &walk, ray) {
+                    for (source, radiance) in self.behind_all(bounce, &walk, ray, sky) {
                         add(self.scene, samples, recorder, walk.gain(bounce, source, radiance));
                     }
                 }
@@ -391,22 +401,24 @@ impl<'a> Path<'a> {
         }
     }
 
-    /// Radiance along a ray that meets nothing, W·sr⁻¹·m⁻², as far as lights were not asked for it.
+    /// Radiance along a ray that meets nothing but what the `sky` gives (see [`Meet`]), W·sr⁻¹·m⁻², as far as lights were not
+    /// asked for it.
     #[inline(always)]
     fn behind_all(
         &self,
         bounce: u32,
         walk: &Walk,
         ray: &Ray,
+        sky: Option<(Rgb, f32)>,
     ) -> impl Iterator<Item = (Source, Rgb)> {
         let Scene { suns, sun_numbers, environment, background, .. } = self.scene;
         let (pdf, direction, techniques) = (walk.pdf, ray.direction, self.techniques);
-        let sky = match environment {
-            Some((environment, visible)) if *visible || bounce > 0 => {
-                let weight = techniques.met(environment.pdf(direction), pdf);
-                Some((Source::Environment, environment.radiance(direction) * weight))
+        let is_seen = environment.as_ref().is_some_and(|(_, visible)| *visible || bounce > 0);
+        let sky = match sky.filter(|_| is_seen) {
+            Some((radiance, lights)) => {
+                Some((Source::Environment, radiance * techniques.met(lights, pdf)))
             }
-            _ => walk.sharp_only.then_some((Source::Background, *background)),
+            None => walk.sharp_only.then_some((Source::Background, *background)),
         };
         let suns = suns.iter().zip(sun_numbers).map(move |(sun, number)| {
             let weight = techniques.met(sun.pdf(direction), pdf);
@@ -490,11 +502,7 @@ impl<'a> Path<'a> {
             });
         }
         if let Some((environment, _)) = &self.scene.environment {
-            let place = [pairs.environment()];
-            self.ask(bounce, points, place, scratch, recorder, |vertex, lobes, [u]| {
-                let sample = environment.sample(u)?;
-                self.light_from_afar(vertex, lobes, Source::Environment, sample)
-            });
+            self.ask_environment(bounce, points, environment, scratch, recorder);
         }
     }
 
@@ -629,6 +637,26 @@ impl<'a> Path<'a> {
             let moved = vertex.moved(self.scene, light);
             let sample = draws.views.get(k, light, vertex.starts[0], moved)?;
             self.light_from_area(vertex, lobes, light, 1.0, sample)
+        });
+    }
+
+    /// Asks the environment, in directions that it picks.
+    #[inline(always)]
+    fn ask_environment(
+        &self,
+        bounce: u32,
+        points: &[PathPoints],
+        environment: &Environment,
+        scratch: &mut Scratch,
+        recorder: &mut impl Recorder,
+    ) {
+        let level = self.scene.level();
+        let Scratch { draws, vertices, .. } = scratch;
+        draws.draw(level, points, vertices, [Bounce::new(bounce).environment()]);
+        let (pairs, samples) = (&draws.pairs[0], &mut draws.sky);
+        level.run(Ask { environment, pairs, samples });
+        self.settle(bounce, scratch, recorder, |vertex, lobes, draws, k| {
+            self.light_from_afar(vertex, lobes, Source::Environment, *draws.sky.get(k)?)
         });
     }
 
