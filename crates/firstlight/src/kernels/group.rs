@@ -58,8 +58,6 @@ pub(super) struct Group {
     shear: [Row; 2],
     /// The axis along which each ray goes furthest, the first of equals: x or y as bits, else z.
     along: [u32; 2],
-    /// The signs of the directions, per axis, as bits.
-    signs: [u32; 3],
     /// The largest coordinate of the origins.
     pub magnitude: f32,
 }
@@ -76,7 +74,6 @@ impl Group {
         t: Row::ZERO,
         shear: [Row::ZERO; 2],
         along: [0; 2],
-        signs: [0; 3],
         magnitude: 0.0,
     };
 
@@ -92,7 +89,6 @@ impl Group {
         self.origin = [row(ox), row(oy), row(oz)];
         self.direction = [row(dx), row(dy), row(dz)];
         (self.t_min, self.t) = (row(t_min), row(t_max));
-        self.signs = [dx.signs(), dy.signs(), dz.signs()];
     }
 
     /// Prepares its rays for a tree with coordinates up to `reach`.
@@ -145,13 +141,6 @@ impl Group {
         let second = dz.select(along_x, dx.select(along_y, dy));
         let largest = dx.select(along_x, dy.select(along_y, dz));
         self.shear = [row(first / largest), row(second / largest)];
-    }
-
-    /// The signs of the directions as bits, if all rays agree in them.
-    #[inline(always)]
-    pub(super) fn octant(&self) -> Option<u32> {
-        let [x, y, z] = self.signs;
-        (uniform(x) && uniform(y) && uniform(z)).then_some(x & 1 | y & 2 | z & 4)
     }
 
     /// Which rays have no answer yet.

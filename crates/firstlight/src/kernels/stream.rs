@@ -43,8 +43,7 @@ impl Strays {
     pub(super) fn add<const ANY: bool>(&mut self, first: usize, rays: &[Ray], hits: &[Hit]) {
         for (i, (ray, hit)) in rays.iter().zip(hits).enumerate() {
             if !(ANY && hit.is_some()) {
-                let octant = ray.direction.is_negative_bitmask();
-                self.0[octant as usize % 8].push((first + i) as u32);
+                self.0[ray.octant() as usize % 8].push((first + i) as u32);
             }
         }
     }
