@@ -6,6 +6,7 @@ use super::description::{
     Scattering, Texture,
 };
 use crate::color::Rgb;
+use crate::geometry::Hit;
 use crate::shading::bsdf::{
     Bsdf, Frame, Fresnel, Kind, Layers, Lobe, PrincipledPoint, VARNISH, Wall, above, principled,
 };
@@ -20,6 +21,16 @@ pub(crate) struct Boundary {
     pub eta: f32,
     /// Whether the eye is inside of the solid.
     pub inside: bool,
+}
+
+/// The reflectance of a material that is plain: matte, flat and of one colour everywhere, and it neither emits nor encloses
+/// anything.
+pub(super) fn plain_reflectance(material: &Material) -> Option<Rgb> {
+    let Material { reflectance, ambient_reflectance, occlusion, interior, .. } = material;
+    let all_alike = ambient_reflectance.is_none() && occlusion.is_none() && interior.is_none();
+    let flat = material.is_matte() && !material.has_relief();
+    let plain = flat && all_alike && reflectance.is_constant() && !material.emits();
+    plain.then(|| Vec3::from_slice(&reflectance.factor))
 }
 
 /// The facets of a material, if they are not round.
@@ -53,6 +64,12 @@ struct Maker<'a> {
 }
 
 impl Scene {
+    /// The reflectance of what was hit, if no more is to be known of its material.
+    #[inline(always)]
+    pub(crate) fn plain(&self, hit: &Hit) -> Option<Rgb> {
+        self.plain[self.material_of[hit.surface as usize] as usize]
+    }
+
     /// Adds the lobes of a material at a point to `lobes`, for light that leaves along the unit vector `outgoing`;
     /// returns the frame that they are in, and the fraction of light that they scatter in all.
     ///

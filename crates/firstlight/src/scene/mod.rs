@@ -39,6 +39,8 @@ pub struct Scene {
     /// Material of each surface.
     pub(crate) material_of: Vec<u32>,
     pub(crate) materials: Vec<Material>,
+    /// Reflectance of each that is plain.
+    plain: Vec<Option<Rgb>>,
     /// Whether any of them lets shadow rays pass.
     pub(crate) has_panes: bool,
     /// Whether chance decides if any of them is there.

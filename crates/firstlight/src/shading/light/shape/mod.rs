@@ -71,16 +71,31 @@ impl Default for ShapeSamples {
 }
 
 impl ShapeSamples {
+    /// Nothing is seen by those who would see the back.
+    #[inline(always)]
+    pub(crate) fn hide_backs(&mut self) {
+        for k in 0..BLOCK {
+            let front = self.normal.get(k).dot(self.incoming.get(k)) < 0.0;
+            self.pdf[k] = if front { self.pdf[k] } else { 0.0 };
+        }
+    }
+
     /// What point `k` sees; `None` if that is nothing.
     #[inline(always)]
     pub(crate) fn get(&self, k: usize) -> Option<ShapeSample> {
-        (self.pdf[k] > 0.0).then(|| ShapeSample {
+        (self.pdf[k] > 0.0).then(|| self.row(k))
+    }
+
+    /// The same, which means nothing where the density is 0.
+    #[inline(always)]
+    pub(crate) fn row(&self, k: usize) -> ShapeSample {
+        ShapeSample {
             position: self.position.get(k),
             normal: self.normal.get(k),
             incoming: self.incoming.get(k),
             distance: self.distance[k],
             pdf: self.pdf[k],
-        })
+        }
     }
 
     #[inline(always)]
