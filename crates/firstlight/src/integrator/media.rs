@@ -73,16 +73,17 @@ impl Media {
     }
 
     /// What is around, where it counts.
+    #[inline(always)]
     pub(super) fn interior<'a>(&self, scene: &'a Scene) -> Option<&'a Interior> {
+        if self.count == 0 {
+            return None;
+        }
         scene.materials[self.innermost(scene)? as usize].interior.as_ref()
     }
 
     /// What fills the space there, if anything does.
     #[inline(always)]
     pub(super) fn medium(&self, scene: &Scene) -> Option<Medium> {
-        if self.count == 0 {
-            return scene.medium;
-        }
         self.interior(scene).map(Interior::medium).or(scene.medium)
     }
 

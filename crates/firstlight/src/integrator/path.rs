@@ -37,7 +37,7 @@ use crate::simd::{Kernel, Simd};
 use glam::{DVec3, Vec2, Vec3};
 use lights::{Aims, Draws, Techniques};
 use std::f32::consts::PI;
-use vertices::{Matter, VertexBlock, Vertices};
+use vertices::{VertexBlock, Vertices};
 use walk::Walk;
 
 /// Up to so many lights are all asked at the surface that is seen, as in the lecture, and after that.
@@ -178,21 +178,23 @@ impl<'a> Path<'a> {
 }
 
 /// Directions that a block of matte vertices picks, and their densities, sr⁻¹.
+#[derive(Clone)]
 struct Onward {
     incoming: Columns<f32>,
     pdf: [f32; BLOCK],
 }
 
 impl Default for Onward {
+    #[inline(always)]
     fn default() -> Self {
         Self { incoming: Columns::default(), pdf: [0.0; BLOCK] }
     }
 }
 
-/// Picks them by two numbers in 0..1 each.
+/// Picks them for the first vertices of a block, by two numbers in 0..1 each.
 struct PickAll<'a> {
     block: &'a VertexBlock,
-    u: &'a [Vec2; BLOCK],
+    numbers: &'a [Vec2],
     onward: &'a mut Onward,
 }
 
@@ -201,12 +203,14 @@ impl Kernel for PickAll<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, _: S) {
-        let Self { block, u, onward } = self;
+        let (mut picked, mut u) = (Onward::default(), [Vec2::ZERO; BLOCK]);
+        u[..self.numbers.len()].copy_from_slice(self.numbers);
         for k in 0..BLOCK {
-            let (incoming, pdf) = block.matte(k).sample(u[k]);
-            onward.incoming.set(k, incoming);
-            onward.pdf[k] = pdf;
+            let (incoming, pdf) = self.block.matte(k).sample(u[k]);
+            picked.incoming.set(k, incoming);
+            picked.pdf[k] = pdf;
         }
+        *self.onward = picked;
     }
 }
 
@@ -219,17 +223,17 @@ fn scatter(scene: &Scene, bounce: u32, points: &[PathPoints], scratch: &mut Scra
     let numbers = [pairs.choice(), pairs.direction()];
     draws.draw(scene.level(), points, (vertices, walks), numbers);
     for (number, block) in vertices.blocks().iter().enumerate() {
-        let (u, count) = draws.block(1, number);
-        scene.level().run(PickAll { block, u: &u, onward: &mut *onward });
-        for k in 0..count {
+        let numbers = draws.block(1, number);
+        scene.level().run(PickAll { block, numbers, onward: &mut *onward });
+        for k in 0..numbers.len() {
             let vertex = vertices.get(number * BLOCK + k, walks);
             let [choice, u] = draws.get(number * BLOCK + k);
-            let sample = match vertex.matter {
-                Matter::Matte(matte) => {
+            let sample = match vertex.other {
+                None => {
                     let picked = (onward.incoming.get(k), onward.pdf[k]);
-                    BsdfSample::of_matte(matte.reflectance, picked)
+                    BsdfSample::of_matte(vertex.matte.reflectance, picked)
                 }
-                Matter::Lobes(..) => vertex.sample(choice.x, u),
+                Some(_) => vertex.sample(choice.x, u),
             };
             let Some(sample) = sample else { continue };
             let walk = vertex.walk;
@@ -243,6 +247,7 @@ fn scatter(scene: &Scene, bounce: u32, points: &[PathPoints], scratch: &mut Scra
                 continue;
             }
             let (start, horizon) = (vertex.start_of(sample.through), vertex.horizon());
+            let beyond = sample.through.then(|| *media);
             // Vertices are in the order of their walks, so that those that go on close up in place.
             let next = rays.len();
             rays.push(Ray { time: walk.time, ..Ray::new(start, sample.incoming) });
@@ -250,7 +255,7 @@ fn scatter(scene: &Scene, bounce: u32, points: &[PathPoints], scratch: &mut Scra
             let walk = &mut walks[next];
             walk.throughput = throughput / survival;
             walk.sharp_only = sharp_only;
-            walk.media = media;
+            walk.media = beyond.unwrap_or(walk.media);
             if !sample.straight {
                 walk.scatter(bounce, sample.pdf, start, horizon);
             }

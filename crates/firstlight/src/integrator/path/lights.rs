@@ -1,6 +1,6 @@
 //! Lights asked at vertices: the lecture's f · cos θ · E.
 
-use super::vertices::{Matter, Vertex, VertexBlock, Vertices};
+use super::vertices::{Vertex, VertexBlock, Vertices};
 use super::walk::Walk;
 use super::{Path, Scratch};
 use crate::color::Rgb;
@@ -96,13 +96,11 @@ impl Draws {
         std::array::from_fn(|i| self.pairs[i][k])
     }
 
-    /// Of the pairs with this place, those of a block of vertices, and how many there are.
+    /// Of the pairs with this place, those of the block of vertices with this number.
     #[inline(always)]
-    pub(super) fn block(&self, pairs: usize, number: usize) -> ([Vec2; BLOCK], usize) {
-        let pairs = &self.pairs[pairs][number * BLOCK..];
-        let (mut block, count) = ([Vec2::ZERO; BLOCK], pairs.len().min(BLOCK));
-        block[..count].copy_from_slice(&pairs[..count]);
-        (block, count)
+    pub(super) fn block(&self, place: usize, number: usize) -> &[Vec2] {
+        let pairs = &self.pairs[place][number * BLOCK..];
+        &pairs[..pairs.len().min(BLOCK)]
     }
 }
 
@@ -138,10 +136,30 @@ impl Aim {
     }
 }
 
+impl Aim {
+    /// What it brings from a light that had this chance of being asked, if the density of the direction is `pdf`, sr⁻¹, and the radiance
+    /// that the light emits along it, W·sr⁻¹·m⁻².
+    #[inline(always)]
+    fn answer(self, (light, chance): (&AreaLight, f32), pdf: f32, emitted: Rgb) -> Answer {
+        let Self { incoming, scattered, asked, ray } = self;
+        let (source, irradiance) = (Source::Surface(light.surface), emitted / asked);
+        let draw = Draw { solid_angle: pdf.recip(), chance, weight: chance * pdf / asked };
+        Answer { source, ray: Some(ray), incoming, scattered, irradiance, draw }
+    }
+}
+
 /// How a block of vertices asks for an area light.
+#[derive(Default)]
 pub(super) struct Aims {
-    from: Columns<f64>,
+    /// What each sees of it.
     seen: ShapeSamples,
+    /// For the matte ones.
+    matte: AimColumns,
+}
+
+/// A block of [`Aim`].
+#[derive(Clone)]
+struct AimColumns {
     incoming: Columns<f32>,
     scattered: Columns<f32>,
     asked: [f32; BLOCK],
@@ -149,16 +167,15 @@ pub(super) struct Aims {
     reach: [f32; BLOCK],
 }
 
-impl Default for Aims {
+impl Default for AimColumns {
+    #[inline(always)]
     fn default() -> Self {
         let [incoming, scattered, along] = std::array::from_fn(|_| Columns::default());
-        let (from, seen) = (Columns::default(), ShapeSamples::default());
-        let [asked, reach] = [[0.0; BLOCK]; 2];
-        Self { from, seen, incoming, scattered, asked, along, reach }
+        Self { incoming, scattered, asked: [0.0; BLOCK], along, reach: [0.0; BLOCK] }
     }
 }
 
-impl Aims {
+impl AimColumns {
     #[inline(always)]
     fn set(&mut self, k: usize, aim: &Aim) {
         self.incoming.set(k, aim.incoming);
@@ -168,23 +185,32 @@ impl Aims {
         self.reach[k] = aim.ray.t_max;
     }
 
-    /// That of vertex `k`, which starts there, and the sample; `None` if it gets no light.
+    /// That of vertex `k`, whose rays start there; `None` if it scatters no light from there.
     #[inline(always)]
-    fn get(&self, k: usize, start: Vec3) -> Option<(ShapeSample, Aim)> {
-        let (sample, scattered) = (self.seen.get(k)?, self.scattered.get(k));
+    fn get(&self, k: usize, start: Vec3) -> Option<Aim> {
+        let (incoming, scattered) = (self.incoming.get(k), self.scattered.get(k));
         let ray = Ray { t_max: self.reach[k], ..Ray::new(start, self.along.get(k)) };
-        let (incoming, asked) = (self.incoming.get(k), self.asked[k]);
-        (scattered != Rgb::ZERO).then_some((sample, Aim { incoming, scattered, asked, ray }))
+        let aim = Aim { incoming, scattered, asked: self.asked[k], ray };
+        (scattered != Rgb::ZERO).then_some(aim)
     }
 }
 
-/// Aims at a light that stands still: the samples are for all vertices of a block, the rest for the matte ones.
+impl Aims {
+    /// What matte vertex `k`, whose rays start there, gets of the light if that emits everywhere alike.
+    #[inline(always)]
+    fn answer(&self, k: usize, light: &AreaLight, start: Vec3, emitted: Rgb) -> Option<Answer> {
+        let (pdf, aim) = (self.seen.pdf(k)?, self.matte.get(k, start)?);
+        Some(aim.answer((light, 1.0), pdf as f32, emitted))
+    }
+}
+
+/// Aims at a light that stands still from all vertices of a block.
 struct AimAll<'a> {
     techniques: Techniques,
     light: &'a AreaLight,
     block: &'a VertexBlock,
-    /// The place on the light for each of the first vertices, as so many numbers in 0..1.
-    pairs: ([Vec2; BLOCK], usize),
+    /// The place on the light for each of the first vertices, as two numbers in 0..1.
+    places: &'a [Vec2],
     aims: &'a mut Aims,
 }
 
@@ -193,17 +219,22 @@ impl Kernel for AimAll<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, _: S) {
-        let Self { techniques, light, block, pairs: (pairs, count), aims } = self;
+        let Self { techniques, light, block, places, aims } = self;
+        let (mut from, mut u) = (Columns::<f64>::default(), [Vec2::ZERO; BLOCK]);
+        u[..places.len()].copy_from_slice(places);
         for k in 0..BLOCK {
-            aims.from.set(k, block.start.get(k).as_dvec3());
+            from.set(k, block.start.get(k).as_dvec3());
         }
-        light.sample_all(&aims.from, &pairs, count, &mut aims.seen);
+        // On its own, so that nobody has to ask what may lie on what.
+        let (mut seen, mut matte) = (ShapeSamples::default(), AimColumns::default());
+        light.sample_all(&from, &u, places.len(), &mut seen);
         for k in 0..BLOCK {
-            let sample = aims.seen.row(k);
+            let sample = seen.row(k);
             let scattered = block.matte(k).eval(sample.incoming.as_vec3());
             let aim = Aim::new(techniques, (light, 1.0), &sample, scattered, block.start.get(k));
-            aims.set(k, &aim);
+            matte.set(k, &aim);
         }
+        *aims = Aims { seen, matte };
     }
 }
 
@@ -331,23 +362,8 @@ impl Path<'_> {
         let (scattered, pdf, start) = vertex.scattered(sample.incoming.as_vec3())?;
         let asked = (light, chance);
         let aim = Aim::new(self.techniques, asked, &sample, (scattered, pdf), start);
-        Some(self.answer_to(aim, asked, sample, vertex.walk.time))
-    }
-
-    /// What comes of it to aim at a sample.
-    #[inline(always)]
-    fn answer_to(
-        &self,
-        aim: Aim,
-        (light, chance): (&AreaLight, f32),
-        sample: ShapeSample,
-        time: f32,
-    ) -> Answer {
-        let Aim { incoming, scattered, asked, ray } = aim;
-        let (source, pdf) = (Source::Surface(light.surface), sample.pdf as f32);
-        let irradiance = self.scene.emitted_by(light, sample, time) / asked;
-        let draw = Draw { solid_angle: pdf.recip(), chance, weight: chance * pdf / asked };
-        Answer { source, ray: Some(ray), incoming, scattered, irradiance, draw }
+        let emitted = self.scene.emitted_by(light, sample, vertex.walk.time);
+        Some(aim.answer(asked, sample.pdf as f32, emitted))
     }
 
     /// From behind everything.
@@ -406,25 +422,23 @@ impl Path<'_> {
         let Scratch { walks, vertices, draws, aims, shadows, samples, counts, .. } = scratch;
         let (level, techniques) = (self.scene.level(), self.techniques);
         let moves = self.scene.world.motion(light.surface).is_some();
+        let even = self.scene.even_emission(light);
         draws.draw(level, points, (vertices, walks), [number]);
         shadows.clear();
         for (number, block) in vertices.blocks().iter().enumerate() {
-            let pairs = draws.block(0, number);
-            let count = pairs.1;
+            let places = draws.block(0, number);
             if !moves {
-                level.run(AimAll { techniques, light, block, pairs, aims: &mut *aims });
+                level.run(AimAll { techniques, light, block, places, aims: &mut *aims });
             }
-            for k in 0..count {
+            for (k, &place) in places.iter().enumerate() {
                 let vertex = vertices.get(number * BLOCK + k, walks);
-                let answer = match vertex.matter {
-                    _ if moves => self.light_from_area(&vertex, light, 1.0, pairs.0[k]),
-                    Matter::Matte(_) => aims.get(k, vertex.start).map(|(sample, aim)| {
-                        self.answer_to(aim, (light, 1.0), sample, vertex.walk.time)
-                    }),
-                    Matter::Lobes(..) => {
-                        let sample = aims.seen.get(k);
-                        sample.and_then(|s| self.light_from_sample(&vertex, (light, 1.0), s))
-                    }
+                let answer = match (even, vertex.other) {
+                    _ if moves => self.light_from_area(&vertex, light, 1.0, place),
+                    (Some(emitted), None) => aims.answer(k, light, vertex.start, emitted),
+                    _ => aims
+                        .seen
+                        .get(k)
+                        .and_then(|sample| self.light_from_sample(&vertex, (light, 1.0), sample)),
                 };
                 if let Some(answer) = answer {
                     let (asked, media) = (answer.at(&vertex, bounce), answer.media(&vertex));
@@ -484,7 +498,7 @@ impl Answer {
 
     /// The solids that the light arrives through.
     #[inline(always)]
-    fn media(&self, vertex: &Vertex) -> Media {
+    fn media<'a>(&self, vertex: &'a Vertex) -> &'a Media {
         vertex.media_of(vertex.passes(self.incoming))
     }
 }

@@ -19,17 +19,10 @@ pub(super) struct Vertex<'a> {
     pub position: Vec3,
     /// Where rays leave it on the side that the path came from.
     pub start: Vec3,
-    /// What scatters light there.
-    pub matter: Matter<'a>,
-}
-
-/// What scatters light at a vertex.
-#[derive(Clone, Copy)]
-pub(super) enum Matter<'a> {
-    /// A matte surface, as most are.
-    Matte(Matte),
-    /// Anything.
-    Lobes(&'a Scattering, &'a [Lobe]),
+    /// The surface there, if it is matte and nothing else; otherwise it means nothing.
+    pub matte: Matte,
+    /// What scatters light there otherwise, and its lobes.
+    pub other: Option<(&'a Scattering, &'a [Lobe])>,
 }
 
 /// How anything scatters light.
@@ -52,9 +45,9 @@ impl Vertex<'_> {
     /// What is scattered where in all, with one of the lobes picked by `choice`, see [`Bsdf::sample`].
     #[inline(always)]
     pub(super) fn sample(&self, choice: f32, u: Vec2) -> Option<BsdfSample> {
-        match self.matter {
-            Matter::Matte(matte) => BsdfSample::of_matte(matte.reflectance, matte.sample(u)),
-            Matter::Lobes(scattering, lobes) => scattering.bsdf(lobes).sample(choice, u),
+        match self.other {
+            None => BsdfSample::of_matte(self.matte.reflectance, self.matte.sample(u)),
+            Some((scattering, lobes)) => scattering.bsdf(lobes).sample(choice, u),
         }
     }
 
@@ -62,9 +55,9 @@ impl Vertex<'_> {
     /// `None` if nothing is scattered.
     #[inline(always)]
     pub(super) fn scattered(&self, incoming: Vec3) -> Option<(Rgb, f32, Vec3)> {
-        let (value, pdf) = match self.matter {
-            Matter::Matte(matte) => matte.eval(incoming),
-            Matter::Lobes(scattering, lobes) => scattering.bsdf(lobes).eval(incoming),
+        let (value, pdf) = match self.other {
+            None => self.matte.eval(incoming),
+            Some((scattering, lobes)) => scattering.bsdf(lobes).eval(incoming),
         };
         (value != Rgb::ZERO).then(|| (value, pdf, self.start_of(self.passes(incoming))))
     }
@@ -72,44 +65,44 @@ impl Vertex<'_> {
     /// See [`Bsdf::horizon`].
     #[inline(always)]
     pub(super) fn horizon(&self) -> Vec3 {
-        match self.matter {
-            Matter::Matte(matte) => matte.normal,
-            Matter::Lobes(scattering, lobes) => scattering.bsdf(lobes).horizon(),
+        match self.other {
+            None => self.matte.normal,
+            Some((scattering, lobes)) => scattering.bsdf(lobes).horizon(),
         }
     }
 
     /// Where rays start on this side or on the other.
     #[inline(always)]
     pub(super) fn start_of(&self, through: bool) -> Vec3 {
-        match self.matter {
-            Matter::Lobes(scattering, _) if through => scattering.behind,
+        match self.other {
+            Some((scattering, _)) if through => scattering.behind,
             _ => self.start,
         }
     }
 
     /// The solids on this side or on the other.
     #[inline(always)]
-    pub(super) fn media_of(&self, through: bool) -> Media {
-        match self.matter {
-            Matter::Lobes(scattering, _) if through => scattering.beyond,
-            _ => self.walk.media,
+    pub(super) fn media_of(&self, through: bool) -> &Media {
+        match self.other {
+            Some((scattering, _)) if through => &scattering.beyond,
+            _ => &self.walk.media,
         }
     }
 
     /// Whether light from `incoming` comes from the other side.
     #[inline(always)]
     pub(super) fn passes(&self, incoming: Vec3) -> bool {
-        match self.matter {
-            Matter::Matte(_) => false,
-            Matter::Lobes(scattering, _) => incoming.dot(scattering.frame.normal()) < 0.0,
+        match self.other {
+            None => false,
+            Some((scattering, _)) => incoming.dot(scattering.frame.normal()) < 0.0,
         }
     }
 
     /// The part of ambient light that comes to it.
     pub(super) fn openness(&self) -> f32 {
-        match self.matter {
-            Matter::Matte(_) => 1.0,
-            Matter::Lobes(scattering, _) => scattering.openness,
+        match self.other {
+            None => 1.0,
+            Some((scattering, _)) => scattering.openness,
         }
     }
 
@@ -204,15 +197,13 @@ impl Vertices {
     #[inline(always)]
     pub(super) fn get<'a>(&'a self, k: usize, walks: &'a [Walk]) -> Vertex<'a> {
         let (block, k) = (&self.blocks[k / BLOCK], k % BLOCK);
-        let matter = match self.others.get(block.other[k] as usize) {
-            None => Matter::Matte(block.matte(k)),
-            Some(other) => {
-                let [first, end] = other.lobes;
-                Matter::Lobes(other, &self.lobes[first as usize..end as usize])
-            }
-        };
+        let other = self.others.get(block.other[k] as usize).map(|other| {
+            let [first, end] = other.lobes;
+            (other, &self.lobes[first as usize..end as usize])
+        });
         let walk = &walks[block.walk[k] as usize];
-        Vertex { walk, position: block.position.get(k), start: block.start.get(k), matter }
+        let (position, start) = (block.position.get(k), block.start.get(k));
+        Vertex { walk, position, start, matte: block.matte(k), other }
     }
 
     /// Adds one on a matte surface.

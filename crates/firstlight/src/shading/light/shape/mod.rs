@@ -86,6 +86,12 @@ impl ShapeSamples {
         (self.pdf[k] > 0.0).then(|| self.row(k))
     }
 
+    /// The density of what point `k` sees, sr⁻¹; `None` if that is nothing.
+    #[inline(always)]
+    pub(crate) fn pdf(&self, k: usize) -> Option<f64> {
+        (self.pdf[k] > 0.0).then_some(self.pdf[k])
+    }
+
     /// The same, which means nothing where the density is 0.
     #[inline(always)]
     pub(crate) fn row(&self, k: usize) -> ShapeSample {
