@@ -162,8 +162,10 @@ impl<'a> Path<'a> {
             if scratch.vertices.len() == 0 {
                 break;
             }
-            self.add_lights(bounce, points, scratch, recorder);
-            scatter(self.scene, bounce, points, scratch);
+            let Scratch { draws, vertices, walks, .. } = &mut *scratch;
+            draws.begin(points, vertices, walks);
+            self.add_lights(bounce, scratch, recorder);
+            scatter(self.scene, bounce, scratch);
             scratch.counts.bounce += scratch.rays.len() as u64;
             let filter = Meets(self.scene, 0);
             self.scene.world.closest_hits(&scratch.rays, &filter, &mut scratch.hits);
@@ -178,14 +180,12 @@ impl<'a> Path<'a> {
 }
 
 /// Directions that a block of matte vertices picks, and their densities, sr⁻¹.
-#[derive(Clone)]
 struct Onward {
     incoming: Columns<f32>,
     pdf: [f32; BLOCK],
 }
 
 impl Default for Onward {
-    #[inline(always)]
     fn default() -> Self {
         Self { incoming: Columns::default(), pdf: [0.0; BLOCK] }
     }
@@ -203,25 +203,31 @@ impl Kernel for PickAll<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, _: S) {
-        let (mut picked, mut u) = (Onward::default(), [Vec2::ZERO; BLOCK]);
+        let mut u = [Vec2::ZERO; BLOCK];
         u[..self.numbers.len()].copy_from_slice(self.numbers);
+        self.onward.pick(self.block, &u);
+    }
+}
+
+impl Onward {
+    #[inline(always)]
+    fn pick(&mut self, block: &VertexBlock, u: &[Vec2; BLOCK]) {
         for k in 0..BLOCK {
-            let (incoming, pdf) = self.block.matte(k).sample(u[k]);
-            picked.incoming.set(k, incoming);
-            picked.pdf[k] = pdf;
+            let (incoming, pdf) = block.matte(k).sample(u[k]);
+            self.incoming.set(k, incoming);
+            self.pdf[k] = pdf;
         }
-        *self.onward = picked;
     }
 }
 
 /// Sends each path on in a direction that its BSDF picks, or ends it.
 #[inline(always)]
-fn scatter(scene: &Scene, bounce: u32, points: &[PathPoints], scratch: &mut Scratch) {
+fn scatter(scene: &Scene, bounce: u32, scratch: &mut Scratch) {
     let pairs = Bounce::new(bounce);
     let Scratch { vertices, draws, onward, rays, walks, .. } = scratch;
     rays.clear();
     let numbers = [pairs.choice(), pairs.direction()];
-    draws.draw(scene.level(), points, (vertices, walks), numbers);
+    draws.draw(scene.level(), numbers);
     for (number, block) in vertices.blocks().iter().enumerate() {
         let numbers = draws.block(1, number);
         scene.level().run(PickAll { block, numbers, onward: &mut *onward });
@@ -255,7 +261,9 @@ fn scatter(scene: &Scene, bounce: u32, points: &[PathPoints], scratch: &mut Scra
             let walk = &mut walks[next];
             walk.throughput = throughput / survival;
             walk.sharp_only = sharp_only;
-            walk.media = beyond.unwrap_or(walk.media);
+            if let Some(beyond) = beyond {
+                walk.media = beyond;
+            }
             if !sample.straight {
                 walk.scatter(bounce, sample.pdf, start, horizon);
             }

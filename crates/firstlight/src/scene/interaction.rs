@@ -232,20 +232,21 @@ impl Kernel for Interactions<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, _: S) {
         let Self { scene, rays, hits, points } = self;
-        points.clear();
+        points.resize(hits.len(), None);
         let mut block = Block::default();
-        for (rays, hits) in rays.chunks(BLOCK).zip(hits.chunks(BLOCK)) {
+        let points = points.chunks_mut(BLOCK);
+        for ((rays, hits), points) in rays.chunks(BLOCK).zip(hits.chunks(BLOCK)).zip(points) {
             let mut parts = [None; BLOCK];
             for (part, hit) in parts.iter_mut().zip(hits) {
                 *part = scene.still_mesh(hit);
             }
             block.gather(&parts, rays, hits);
             block.find(&parts);
-            for (k, (ray, hit)) in rays.iter().zip(hits).enumerate() {
-                points.push(match parts[k] {
+            for (k, ((ray, hit), point)) in rays.iter().zip(hits).zip(points).enumerate() {
+                *point = match parts[k] {
                     Some(part) => Some(dressed(part, ray, hit, block.get(k))),
                     None => hit.is_some().then(|| scene.interaction(ray, hit)),
-                });
+                };
             }
         }
     }

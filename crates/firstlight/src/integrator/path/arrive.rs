@@ -19,6 +19,9 @@ use crate::shading::interaction::SurfaceInteraction;
 use crate::shading::volume::HenyeyGreenstein;
 use glam::Vec3;
 
+/// So many surfaces are looked at together: few enough to stay at hand.
+const AT_ONCE: usize = 2 * BLOCK;
+
 /// What becomes of rays that arrive.
 struct Arrivals<'a, R> {
     path: &'a Path<'a>,
@@ -45,7 +48,7 @@ impl Path<'_> {
         let mut arrivals =
             Arrivals { path: self, bounce, points, vertices, samples, on_surface, recorder };
         let mut walks = (0..).zip(walks);
-        for (rays, hits) in rays.chunks(BLOCK).zip(hits.chunks(BLOCK)) {
+        for (rays, hits) in rays.chunks(AT_ONCE).zip(hits.chunks(AT_ONCE)) {
             self.scene.level().run(Interactions { scene: self.scene, rays, hits, points: met });
             for (((ray, hit), surface), walk) in
                 rays.iter().zip(hits).zip(&mut *met).zip(&mut walks)

@@ -255,7 +255,9 @@ impl<'a> Clarity<'a> {
         for look in 0..looks {
             parts.clear();
             parts.extend(points.iter().map(|points| points.part(look, bits)));
-            self.path.ask(0, &parts, [pair], scratch, recorder, |vertex, [u]| {
+            let Scratch { draws, vertices, walks, .. } = &mut *scratch;
+            draws.begin(&parts, vertices, walks);
+            self.path.ask(0, [pair], scratch, recorder, |vertex, [u]| {
                 let answer = vertex.light_from_sky(Source::Look, self.distance, 0.0, u)?;
                 let ray = answer.ray.map(|ray| self.kept(&ray));
                 Some(Answer { ray, irradiance: share, ..answer })

@@ -71,20 +71,15 @@ pub(super) struct Draws {
 }
 
 impl Draws {
-    /// Draws the pairs with these numbers for all vertices.
-    pub(super) fn draw<const N: usize>(
-        &mut self,
-        level: Level,
-        points: &[PathPoints],
-        (vertices, walks): (&Vertices, &[Walk]),
-        numbers: [u32; N],
-    ) {
-        if N == 0 {
-            return;
-        }
+    /// What is drawn from now on is for these vertices, by the `points` of their samples.
+    pub(super) fn begin(&mut self, points: &[PathPoints], vertices: &Vertices, walks: &[Walk]) {
         self.paths.clear();
         let samples = vertices.walks().map(|walk| walks[walk as usize].sample);
         self.paths.extend(samples.map(|sample| points[sample as usize]));
+    }
+
+    /// Draws the pairs with these numbers for all vertices.
+    pub(super) fn draw<const N: usize>(&mut self, level: Level, numbers: [u32; N]) {
         for (number, pairs) in numbers.into_iter().zip(&mut self.pairs) {
             level.run(Pairs { paths: &self.paths, number, pairs });
         }
@@ -158,7 +153,6 @@ pub(super) struct Aims {
 }
 
 /// A block of [`Aim`].
-#[derive(Clone)]
 struct AimColumns {
     incoming: Columns<f32>,
     scattered: Columns<f32>,
@@ -168,7 +162,6 @@ struct AimColumns {
 }
 
 impl Default for AimColumns {
-    #[inline(always)]
     fn default() -> Self {
         let [incoming, scattered, along] = std::array::from_fn(|_| Columns::default());
         Self { incoming, scattered, asked: [0.0; BLOCK], along, reach: [0.0; BLOCK] }
@@ -183,6 +176,22 @@ impl AimColumns {
         self.asked[k] = aim.asked;
         self.along.set(k, aim.ray.direction);
         self.reach[k] = aim.ray.t_max;
+    }
+
+    #[inline(always)]
+    fn fill(
+        &mut self,
+        techniques: Techniques,
+        light: &AreaLight,
+        block: &VertexBlock,
+        seen: &ShapeSamples,
+    ) {
+        for k in 0..BLOCK {
+            let sample = seen.row(k);
+            let scattered = block.matte(k).eval(sample.incoming.as_vec3());
+            let aim = Aim::new(techniques, (light, 1.0), &sample, scattered, block.start.get(k));
+            self.set(k, &aim);
+        }
     }
 
     /// That of vertex `k`, whose rays start there; `None` if it scatters no light from there.
@@ -225,16 +234,8 @@ impl Kernel for AimAll<'_> {
         for k in 0..BLOCK {
             from.set(k, block.start.get(k).as_dvec3());
         }
-        // On its own, so that nobody has to ask what may lie on what.
-        let (mut seen, mut matte) = (ShapeSamples::default(), AimColumns::default());
-        light.sample_all(&from, &u, places.len(), &mut seen);
-        for k in 0..BLOCK {
-            let sample = seen.row(k);
-            let scattered = block.matte(k).eval(sample.incoming.as_vec3());
-            let aim = Aim::new(techniques, (light, 1.0), &sample, scattered, block.start.get(k));
-            matte.set(k, &aim);
-        }
-        *aims = Aims { seen, matte };
+        light.sample_all(&from, &u, places.len(), &mut aims.seen);
+        aims.matte.fill(techniques, light, block, &aims.seen);
     }
 }
 
@@ -244,7 +245,6 @@ impl Path<'_> {
     pub(super) fn add_lights(
         &self,
         bounce: u32,
-        points: &[PathPoints],
         scratch: &mut Scratch,
         recorder: &mut impl Recorder,
     ) {
@@ -253,24 +253,24 @@ impl Path<'_> {
         let LocalLights { points: near, elsewhere, .. } = &self.scene.local_lights;
         let near = if asks_all { near.as_slice() } else { &[] };
         for &place in elsewhere.iter().chain(near) {
-            self.ask(bounce, points, [], scratch, recorder, |vertex, []| {
+            self.ask(bounce, [], scratch, recorder, |vertex, []| {
                 self.light_from_point(vertex, place, 1.0)
             });
         }
         if asks_all {
             for number in 0..self.scene.round_lights.len() as u32 {
                 let place = [pairs.light(number)];
-                self.ask(bounce, points, place, scratch, recorder, |vertex, [u]| {
+                self.ask(bounce, place, scratch, recorder, |vertex, [u]| {
                     self.light_from_round(vertex, number, 1.0, u)
                 });
             }
             for (number, light) in (0..).zip(self.scene.area_lights.iter()) {
                 let place = pairs.light(self.scene.round_lights.len() as u32 + number);
-                self.ask_area(bounce, points, (light, place), scratch, recorder);
+                self.ask_area(bounce, (light, place), scratch, recorder);
             }
         } else {
             let picks = [pairs.pick(), pairs.light(0)];
-            self.ask(bounce, points, picks, scratch, recorder, |vertex, [pick, u]| {
+            self.ask(bounce, picks, scratch, recorder, |vertex, [pick, u]| {
                 let pick = pick.as_dvec2();
                 self.light_from_any(vertex, pick.x + pick.y * PAIR_STEP, u)
             });
@@ -278,13 +278,13 @@ impl Path<'_> {
         for (place, (sun, number)) in (0..).zip(self.scene.suns.iter().zip(&self.scene.sun_numbers))
         {
             let place = [pairs.sun(place)];
-            self.ask(bounce, points, place, scratch, recorder, |vertex, [u]| {
+            self.ask(bounce, place, scratch, recorder, |vertex, [u]| {
                 self.light_from_afar(vertex, Source::Light(*number), sun.sample(u))
             });
         }
         for ambient in &self.scene.near_ambient {
             let draws = pairs.ambient();
-            self.ask(bounce, points, draws, scratch, recorder, |vertex, draws| {
+            self.ask(bounce, draws, scratch, recorder, |vertex, draws| {
                 let [direction, choice] = draws;
                 let source = Source::Light(ambient.number);
                 let answer = vertex.light_from_sky(source, ambient.reach, choice.x, direction)?;
@@ -293,7 +293,7 @@ impl Path<'_> {
         }
         if let Some((environment, _)) = &self.scene.environment {
             let place = [pairs.environment()];
-            self.ask(bounce, points, place, scratch, recorder, |vertex, [u]| {
+            self.ask(bounce, place, scratch, recorder, |vertex, [u]| {
                 let sample = environment.sample(u)?;
                 self.light_from_afar(vertex, Source::Environment, sample)
             });
@@ -390,14 +390,13 @@ impl Path<'_> {
     pub(super) fn ask<const N: usize>(
         &self,
         bounce: u32,
-        points: &[PathPoints],
         numbers: [u32; N],
         scratch: &mut Scratch,
         recorder: &mut impl Recorder,
         light: impl Fn(&Vertex, [Vec2; N]) -> Option<Answer>,
     ) {
         let Scratch { walks, vertices, draws, shadows, samples, counts, .. } = scratch;
-        draws.draw(self.scene.level(), points, (vertices, walks), numbers);
+        draws.draw(self.scene.level(), numbers);
         shadows.clear();
         for k in 0..vertices.len() {
             let vertex = vertices.get(k, walks);
@@ -414,7 +413,6 @@ impl Path<'_> {
     fn ask_area(
         &self,
         bounce: u32,
-        points: &[PathPoints],
         (light, number): (&AreaLight, u32),
         scratch: &mut Scratch,
         recorder: &mut impl Recorder,
@@ -423,7 +421,7 @@ impl Path<'_> {
         let (level, techniques) = (self.scene.level(), self.techniques);
         let moves = self.scene.world.motion(light.surface).is_some();
         let even = self.scene.even_emission(light);
-        draws.draw(level, points, (vertices, walks), [number]);
+        draws.draw(level, [number]);
         shadows.clear();
         for (number, block) in vertices.blocks().iter().enumerate() {
             let places = draws.block(0, number);

@@ -82,7 +82,9 @@ impl<'a> Occlusion<'a> {
         recorder: &mut impl Recorder,
     ) {
         let pair = Bounce::new(0).direction();
-        self.path.ask(0, points, [pair], scratch, recorder, |vertex, [u]| {
+        let Scratch { draws, vertices, walks, .. } = &mut *scratch;
+        draws.begin(points, vertices, walks);
+        self.path.ask(0, [pair], scratch, recorder, |vertex, [u]| {
             vertex.light_from_sky(Source::Environment, self.distance, 0.0, u)
         });
     }

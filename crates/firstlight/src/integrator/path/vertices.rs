@@ -189,8 +189,9 @@ impl Vertices {
     }
 
     /// The number of each vertex's walk.
-    pub(super) fn walks(&self) -> impl Iterator<Item = u32> {
-        self.blocks.iter().flat_map(|block| &block.walk).take(self.len).copied()
+    #[inline(always)]
+    pub(super) fn walks(&self) -> impl ExactSizeIterator<Item = u32> {
+        (0..self.len).map(|k| self.blocks[k / BLOCK].walk[k % BLOCK])
     }
 
     /// Vertex `k`; `walks` are all.

@@ -19,6 +19,7 @@ pub(crate) use polygon::{Parallelogram, Triangle};
 use super::tree::EmissionCone;
 use crate::geometry::Bounds;
 use crate::math::{BLOCK, Columns};
+use crate::simd::LANES;
 use glam::{DVec2, DVec3, Vec2};
 use polygon::NearAndFar;
 use std::f64::consts::FRAC_1_PI;
@@ -124,13 +125,16 @@ fn sample_flat(
     count: usize,
     into: &mut ShapeSamples,
 ) {
-    let (mut near, mut nears) = ([0; BLOCK], 0);
+    let (mut near, mut nears, mut far) = ([0; BLOCK], 0, [false; BLOCK]);
     for (k, u) in u.iter().enumerate() {
         into.set(k, shape.sample_afar(from.get(k), u.as_dvec2()));
     }
-    for k in 0..count {
-        near[nears] = k;
-        nears += usize::from(!shape.is_far(from.get(k)));
+    for (k, far) in far.iter_mut().enumerate() {
+        *far = shape.is_far(from.get(k));
+    }
+    for (k, &far) in far[..count].iter().enumerate() {
+        near[nears % BLOCK] = k;
+        nears += usize::from(!far);
     }
     if nears == 0 {
         return;
@@ -142,7 +146,8 @@ fn sample_flat(
         near_u[i] = u[k];
     }
     let mut samples = ShapeSamples::default();
-    for (i, u) in near_u[..nears].iter().enumerate() {
+    // None are left over to be looked at one by one.
+    for (i, u) in near_u[..nears.next_multiple_of(LANES)].iter().enumerate() {
         samples.set(i, shape.sample_near(near_from.get(i), u.as_dvec2()));
     }
     for (i, &k) in near[..nears].iter().enumerate() {
