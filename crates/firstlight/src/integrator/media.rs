@@ -42,6 +42,9 @@ impl Around {
     /// The solids around a point, m, at a time.
     #[inline(always)]
     pub(super) fn media(&mut self, scene: &Scene, point: Vec3, time: f32) -> Media {
+        if !scene.has_solids {
+            return Media::default();
+        }
         match self.0 {
             Some((known, media)) if known == (point, time) => media,
             _ => self.0.insert(((point, time), Media::around(scene, point, time))).1,
@@ -93,7 +96,7 @@ impl Media {
         let (mut found, mut entered) = (Vec::new(), Self::default());
         let mut ray = Ray { time, ..Ray::new(point, SOMEWHERE.normalize()) };
         let mut hits = Vec::new();
-        for _ in 0..if scene.has_solids { MOST_AROUND } else { 0 } {
+        for _ in 0..MOST_AROUND {
             scene.world.closest_hits(&[ray], &Everything, &mut hits);
             let Some(hit) = hits.first().filter(|hit| hit.is_some()) else { break };
             let at = scene.interaction(&ray, hit);

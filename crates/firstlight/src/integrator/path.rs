@@ -30,9 +30,9 @@ use crate::film::Sample;
 use crate::geometry::{Hit, Ray};
 use crate::math::{BLOCK, Columns};
 use crate::sampler::PathPoints;
-use crate::scene::{Meets, Scene, SeenByCamera};
+use crate::scene::{Meets, Points, Scene, SeenByCamera};
 use crate::shading::bsdf::{BsdfSample, Matte};
-use crate::shading::interaction::{SurfaceInteraction, clearance};
+use crate::shading::interaction::clearance;
 use crate::simd::{Kernel, Simd};
 use glam::{DVec3, Vec2, Vec3};
 use lights::{Aims, Draws, Techniques};
@@ -65,7 +65,7 @@ pub(crate) struct Scratch {
     walks: Vec<Walk>,
     hits: Vec<Hit>,
     /// The points that a block of them met.
-    met: Vec<Option<SurfaceInteraction>>,
+    met: Points,
     vertices: Vertices,
     draws: Draws,
     aims: Aims,

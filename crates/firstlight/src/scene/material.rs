@@ -5,6 +5,7 @@ use super::description::{
     BumpAmount, BumpMap, Facets, Material, NormalMap, OcclusionMap, Pattern, Principled, Scalar,
     Scattering, Texture,
 };
+use crate::bvh::{Part, World};
 use crate::color::Rgb;
 use crate::geometry::Hit;
 use crate::shading::bsdf::{
@@ -23,13 +24,38 @@ pub(crate) struct Boundary {
     pub inside: bool,
 }
 
-/// The reflectance of a material that is plain: matte, flat and of one colour everywhere, and it neither emits nor encloses
-/// anything.
-pub(super) fn plain_reflectance(material: &Material) -> Option<Rgb> {
+/// A surface that is matte, smooth and of one colour everywhere, and that neither emits nor encloses anything.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Plain {
+    /// The fraction of light that it reflects, 0..1.
+    pub reflectance: Rgb,
+    /// Whether it is of flat triangles that stand still.
+    pub flat: bool,
+}
+
+/// Those that are plain.
+pub(super) fn plain_surfaces(
+    world: &World,
+    material_of: &[u32],
+    materials: &[Material],
+) -> Vec<Option<Plain>> {
+    let plain = |(surface, &material): (u32, &u32)| {
+        let reflectance = plain_reflectance(&materials[material as usize])?;
+        let flat = match &world.parts()[surface as usize] {
+            Part::Mesh(part) => part.mesh.normals.is_empty() && world.motion(surface).is_none(),
+            Part::Analytic(..) => false,
+        };
+        Some(Plain { reflectance, flat })
+    };
+    (0..).zip(material_of).map(plain).collect()
+}
+
+/// The reflectance of a material if it makes surfaces plain.
+fn plain_reflectance(material: &Material) -> Option<Rgb> {
     let Material { reflectance, ambient_reflectance, occlusion, interior, .. } = material;
-    let all_alike = ambient_reflectance.is_none() && occlusion.is_none() && interior.is_none();
-    let flat = material.is_matte() && !material.has_relief();
-    let plain = flat && all_alike && reflectance.is_constant() && !material.emits();
+    let no_more = ambient_reflectance.is_none() && occlusion.is_none() && interior.is_none();
+    let smooth = material.is_matte() && !material.has_relief();
+    let plain = smooth && no_more && reflectance.is_constant() && !material.emits();
     plain.then(|| Vec3::from_slice(&reflectance.factor))
 }
 
@@ -64,10 +90,10 @@ struct Maker<'a> {
 }
 
 impl Scene {
-    /// The reflectance of what was hit, if no more is to be known of its material.
+    /// What was hit, if it is plain.
     #[inline(always)]
-    pub(crate) fn plain(&self, hit: &Hit) -> Option<Rgb> {
-        self.plain[self.material_of[hit.surface as usize] as usize]
+    pub(crate) fn plain(&self, hit: &Hit) -> Option<&Plain> {
+        self.plain.get(hit.surface as usize)?.as_ref()
     }
 
     /// Adds the lobes of a material at a point to `lobes`, for light that leaves along the unit vector `outgoing`;

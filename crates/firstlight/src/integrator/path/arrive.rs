@@ -13,14 +13,11 @@ use crate::integrator::record::{Recorder, add};
 use crate::math::BLOCK;
 use crate::sampler::PathPoints;
 use crate::scene::description::Material;
-use crate::scene::{Interactions, Scene};
+use crate::scene::{LookAt, Plain, Points, Scene};
 use crate::shading::bsdf::{Frame, Kind, Lobe, Matte};
 use crate::shading::interaction::SurfaceInteraction;
 use crate::shading::volume::HenyeyGreenstein;
 use glam::Vec3;
-
-/// So many surfaces are looked at together: few enough to stay at hand.
-const AT_ONCE: usize = 2 * BLOCK;
 
 /// What becomes of rays that arrive.
 struct Arrivals<'a, R> {
@@ -47,13 +44,11 @@ impl Path<'_> {
         vertices.clear();
         let mut arrivals =
             Arrivals { path: self, bounce, points, vertices, samples, on_surface, recorder };
-        let mut walks = (0..).zip(walks);
-        for (rays, hits) in rays.chunks(AT_ONCE).zip(hits.chunks(AT_ONCE)) {
-            self.scene.level().run(Interactions { scene: self.scene, rays, hits, points: met });
-            for (((ray, hit), surface), walk) in
-                rays.iter().zip(hits).zip(&mut *met).zip(&mut walks)
-            {
-                arrivals.add(walk, ray, hit, surface.as_mut());
+        let (scene, mut walks) = (self.scene, (0..).zip(walks));
+        for (rays, hits) in rays.chunks(BLOCK).zip(hits.chunks(BLOCK)) {
+            scene.level().run(LookAt { scene, rays, hits, points: &mut *met });
+            for (k, ((ray, hit), walk)) in rays.iter().zip(hits).zip(&mut walks).enumerate() {
+                arrivals.add(walk, ray, hit, (met, k));
             }
         }
     }
@@ -100,34 +95,43 @@ impl Path<'_> {
 }
 
 impl<R: Recorder> Arrivals<'_, R> {
-    /// One arrives at a surface, if at any.
+    /// One arrives where it hit something, if it did: the point with this place among those that were met.
     #[inline(always)]
     fn add(
         &mut self,
         (number, walk): (u32, &mut Walk),
         ray: &Ray,
         hit: &Hit,
-        surface: Option<&mut SurfaceInteraction>,
+        (met, k): (&Points, usize),
     ) {
         let Path { scene, .. } = *self.path;
         let (points, pairs) = (&self.points[walk.sample as usize], Bounce::new(self.bounce));
+        let plain = scene.plain(hit);
+        let flat = plain.filter(|plain| plain.flat);
+        let surface = if flat.is_some() { None } else { met.get(k, scene, ray, hit) };
         let crossing = surface
             .as_ref()
             .and_then(|surface| walk.cross(scene, surface, || points.pair(pairs.channel()).x));
         let scattered = walk.fly(scene, hit.t, || points.pair(pairs.flight()));
-        if self.bounce == 0 && (scattered.is_some() || surface.is_some()) {
+        if self.bounce == 0 && (scattered.is_some() || hit.is_some()) {
             self.on_surface.push(walk.sample);
         }
         if let Some((distance, phase)) = scattered {
             return self.float(number, walk, &Ray { t_max: distance, ..*ray }, phase);
         }
         self.recorder.follow(&walk.along(self.bounce, ray, hit));
-        let Some(surface) = surface else { return self.pass(walk, ray) };
         walk.cone = walk.cone.after(hit.t);
-        surface.seen_width = walk.cone.width;
-        match scene.plain(hit) {
-            Some(reflectance) => self.meet_plain(number, walk, surface, reflectance),
-            None => self.meet((number, walk), ray, surface, crossing),
+        match (plain, surface) {
+            (Some(plain), None) => self.meet_plain((number, walk), met.flat(k), plain),
+            (Some(plain), Some(at)) => {
+                let places = [at.position, at.ray_origin()];
+                self.meet_plain((number, walk), (places, at.shading_normal), plain);
+            }
+            (None, Some(mut surface)) => {
+                surface.seen_width = walk.cone.width;
+                self.meet((number, walk), ray, &surface, crossing);
+            }
+            (None, None) => self.pass(walk, ray),
         }
     }
 
@@ -155,22 +159,21 @@ impl<R: Recorder> Arrivals<'_, R> {
         }
     }
 
-    /// At a surface of which no more is to be known than its reflectance.
+    /// At a point of a plain surface: where it is and rays start, and its normal.
     #[inline(always)]
     fn meet_plain(
         &mut self,
-        number: u32,
-        walk: &Walk,
-        surface: &SurfaceInteraction,
-        reflectance: Rgb,
+        (number, walk): (u32, &Walk),
+        (places, normal): ([Vec3; 2], Vec3),
+        plain: &Plain,
     ) {
         if walk.reflections >= self.path.bounces {
             return;
         }
+        let reflectance = plain.reflectance;
         self.reflect(walk, reflectance * self.path.scene.ambient);
         if reflectance != Rgb::ZERO {
-            let matte = Matte { normal: surface.shading_normal, reflectance };
-            self.vertices.push_matte(number, [surface.position, surface.ray_origin()], matte);
+            self.vertices.push_matte(number, places, Matte { normal, reflectance });
         }
     }
 

@@ -66,6 +66,9 @@ impl Walk {
         surface: &SurfaceInteraction,
         channel: impl FnOnce() -> f32,
     ) -> Option<Crossing> {
+        if !scene.has_solids {
+            return None;
+        }
         let interior = scene.material(&surface.hit).interior?;
         if interior.dispersion > 0.0 && self.channel.is_none() {
             self.follow_channel(channel());

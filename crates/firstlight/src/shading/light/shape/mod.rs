@@ -146,8 +146,9 @@ fn sample_flat(
         near_u[i] = u[k];
     }
     let mut samples = ShapeSamples::default();
-    // None are left over to be looked at one by one.
-    for (i, u) in near_u[..nears.next_multiple_of(LANES)].iter().enumerate() {
+    // So many that none are left over to be looked at one by one.
+    let whole = nears.next_multiple_of(LANES).min(BLOCK);
+    for (i, u) in near_u[..whole].iter().enumerate() {
         samples.set(i, shape.sample_near(near_from.get(i), u.as_dvec2()));
     }
     for (i, &k) in near[..nears].iter().enumerate() {
