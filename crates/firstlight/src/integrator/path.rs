@@ -27,7 +27,7 @@ use super::record::Recorder;
 use super::shadows::ShadowRays;
 use crate::color::Rgb;
 use crate::film::Sample;
-use crate::geometry::{Hit, Ray};
+use crate::geometry::{Cone, Hit, Ray};
 use crate::math::{BLOCK, Columns};
 use crate::sampler::PathPoints;
 use crate::scene::{Meets, Points, Scene, SeenByCamera};
@@ -179,15 +179,16 @@ impl<'a> Path<'a> {
     }
 }
 
-/// Directions that a block of matte vertices picks, and their densities, sr⁻¹.
+/// Directions that a block of matte vertices picks, their densities, sr⁻¹, and the spreads that they stand for.
 struct Onward {
     incoming: Columns<f32>,
     pdf: [f32; BLOCK],
+    part: [f32; BLOCK],
 }
 
 impl Default for Onward {
     fn default() -> Self {
-        Self { incoming: Columns::default(), pdf: [0.0; BLOCK] }
+        Self { incoming: Columns::default(), pdf: [0.0; BLOCK], part: [0.0; BLOCK] }
     }
 }
 
@@ -216,6 +217,7 @@ impl Onward {
             let (incoming, pdf) = block.matte(k).sample(u[k]);
             self.incoming.set(k, incoming);
             self.pdf[k] = pdf;
+            self.part[k] = Cone::part(pdf);
         }
     }
 }
@@ -234,12 +236,12 @@ fn scatter(scene: &Scene, bounce: u32, scratch: &mut Scratch) {
         for k in 0..numbers.len() {
             let vertex = vertices.get(number * BLOCK + k, walks);
             let [choice, u] = draws.get(number * BLOCK + k);
-            let sample = match vertex.other {
-                None => {
-                    let picked = (onward.incoming.get(k), onward.pdf[k]);
-                    BsdfSample::of_matte(vertex.matte.reflectance, picked)
-                }
-                Some(_) => vertex.sample(choice.x, u),
+            let matte = vertex.other.is_none();
+            let sample = if matte {
+                let picked = (onward.incoming.get(k), onward.pdf[k]);
+                BsdfSample::of_matte(vertex.matte.reflectance, picked)
+            } else {
+                vertex.sample(choice.x, u)
             };
             let Some(sample) = sample else { continue };
             let walk = vertex.walk;
@@ -265,7 +267,8 @@ fn scatter(scene: &Scene, bounce: u32, scratch: &mut Scratch) {
                 walk.media = beyond;
             }
             if !sample.straight {
-                walk.scatter(bounce, sample.pdf, start, horizon);
+                let part = if matte { onward.part[k] } else { Cone::part(sample.pdf) };
+                walk.scatter(bounce, sample.pdf, part, [start, horizon]);
             }
         }
     }

@@ -147,7 +147,7 @@ impl<R: Recorder> Arrivals<'_, R> {
     }
 
     /// At nothing.
-    #[inline(always)]
+    #[inline(never)]
     fn pass(&mut self, walk: &Walk, ray: &Ray) {
         if self.bounce == 0 && self.path.transparent {
             self.samples[walk.sample as usize].alpha = 0.0;
@@ -178,6 +178,7 @@ impl<R: Recorder> Arrivals<'_, R> {
     }
 
     /// At any surface.
+    #[inline(never)]
     fn meet(
         &mut self,
         (number, walk): (u32, &Walk),

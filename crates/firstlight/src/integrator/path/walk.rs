@@ -95,11 +95,11 @@ impl Walk {
     }
 
     /// Turns aside at the reflection with this number, where rays start at `from` and lights have to be on the side of `normal`,
-    /// if it is not 0; the density of the direction is `pdf`, sr⁻¹.
+    /// if it is not 0; the density of the direction is `pdf`, sr⁻¹, and the spread that it stands for `part`.
     #[inline(always)]
-    pub(super) fn scatter(&mut self, bounce: u32, pdf: f32, from: Vec3, normal: Vec3) {
+    pub(super) fn scatter(&mut self, bounce: u32, pdf: f32, part: f32, [from, normal]: [Vec3; 2]) {
         (self.pdf, self.bounce, self.from, self.normal) = (pdf, bounce, from, normal);
-        self.cone = self.cone.scattered(pdf);
+        self.cone = self.cone.scattered(part);
         self.reflections += 1;
     }
 

@@ -139,20 +139,43 @@ fn sample_flat(
     if nears == 0 {
         return;
     }
-    // Side by side, so that they are looked at several at a time too.
-    let (mut near_from, mut near_u) = (Columns::<f64>::default(), [Vec2::ZERO; BLOCK]);
+    // Side by side, so that they are looked at several at a time too; so many that none are left over.
+    let (mut side_by_side, mut samples) = (Places::default(), ShapeSamples::default());
     for (i, &k) in near[..nears].iter().enumerate() {
-        near_from.set(i, from.get(k));
-        near_u[i] = u[k];
+        side_by_side.set(i, from.get(k), u[k]);
     }
-    let mut samples = ShapeSamples::default();
-    // So many that none are left over to be looked at one by one.
-    let whole = nears.next_multiple_of(LANES).min(BLOCK);
-    for (i, u) in near_u[..whole].iter().enumerate() {
-        samples.set(i, shape.sample_near(near_from.get(i), u.as_dvec2()));
+    for i in 0..nears.next_multiple_of(LANES).min(BLOCK) {
+        let (from, u) = side_by_side.get(i);
+        samples.set(i, shape.sample_near(from, u.as_dvec2()));
     }
     for (i, &k) in near[..nears].iter().enumerate() {
         into.set(k, samples.get(i));
+    }
+}
+
+/// From where a block of points looks, and by which two numbers in 0..1.
+struct Places {
+    from: Columns<f64>,
+    u: [Vec2; BLOCK],
+}
+
+impl Default for Places {
+    #[inline(always)]
+    fn default() -> Self {
+        Self { from: Columns::default(), u: [Vec2::ZERO; BLOCK] }
+    }
+}
+
+impl Places {
+    #[inline(always)]
+    fn get(&self, k: usize) -> (DVec3, Vec2) {
+        (self.from.get(k), self.u[k])
+    }
+
+    #[inline(always)]
+    fn set(&mut self, k: usize, from: DVec3, u: Vec2) {
+        self.from.set(k, from);
+        self.u[k] = u;
     }
 }
 
