@@ -4,6 +4,7 @@ mod build;
 mod collapse;
 mod reference;
 mod reinsert;
+mod runs;
 #[cfg(test)]
 mod tests;
 mod wide;

@@ -2,9 +2,10 @@
 
 use super::BuildQuality;
 use super::reference::{Item, Reference, Triangles};
+use super::runs::{Run, Runs};
 use super::wide;
 use crate::geometry::{Analytic, Bounds, DOUBLE_ERROR, Hit, Ray};
-use crate::kernels::{FLATTENED, HitFilter, Others, Search, Stack, Tree, search};
+use crate::kernels::{HitFilter, Others, Search, Stack, Tree, search};
 use crate::scene::description::{Mesh, Motion};
 use crate::simd::{Level, Simd};
 use glam::{DAffine3, Vec3};
@@ -128,8 +129,8 @@ impl Part {
 pub(crate) struct World {
     parts: Vec<Part>,
     top: Tree,
-    /// First triangle number in `top` of each flattened part, ascending, with the part.
-    flattened: Vec<(u32, u32)>,
+    /// Whose triangles are in `top`.
+    runs: Runs,
     /// Trees of instanced meshes.
     trees: Vec<Tree>,
     /// For each part, its tree in `trees`.
@@ -159,10 +160,10 @@ impl World {
         if motions.iter().all(Option::is_none) {
             motions.clear();
         }
-        let triangles = FlattenedTriangles { parts: &parts, flattened: &builder.flattened };
+        let runs = Runs::new(builder.runs, builder.triangles);
+        let triangles = OwnTriangles { parts: &parts, runs: &runs };
         let top = wide::tree(builder.references, &triangles, quality);
-        let flattened = builder.flattened;
-        Self { parts, top, flattened, trees, tree_of, endless: builder.endless, motions, level }
+        Self { parts, top, runs, trees, tree_of, endless: builder.endless, motions, level }
     }
 
     /// All surfaces, where they are at time 0.
@@ -217,9 +218,7 @@ impl World {
         hits.clear();
         hits.extend(rays.iter().map(|ray| Hit::none(ray.t_max)));
         self.search::<false>(rays, filter, hits);
-        for hit in hits.iter_mut().filter(|hit| hit.surface == FLATTENED) {
-            *hit = self.located(hit);
-        }
+        self.runs.name(hits);
     }
 
     /// Whether each ray hits anything in its range.
@@ -231,7 +230,7 @@ impl World {
     }
 
     fn search<const ANY: bool>(&self, rays: &[Ray], filter: &dyn HitFilter, hits: &mut [Hit]) {
-        let filter = Located { world: self, filter };
+        let filter = Named { runs: &self.runs, filter };
         for &surface in &self.endless {
             for (ray, hit) in rays.iter().zip(&mut *hits) {
                 self.cross(ray, surface, &filter, hit);
@@ -278,42 +277,21 @@ impl World {
         }
         false
     }
-
-    /// The hit with its real surface and triangle.
-    fn located(&self, hit: &Hit) -> Hit {
-        if hit.surface != FLATTENED {
-            return *hit;
-        }
-        let (surface, triangle) = locate(&self.flattened, hit.primitive);
-        match self.parts[surface as usize] {
-            Part::Mesh(_) => Hit { surface, primitive: triangle, ..*hit },
-            Part::Analytic(..) => {
-                Hit { surface, primitive: triangle / 2, u: 0.0, v: 0.0, t: hit.t }
-            }
-        }
-    }
-}
-
-/// Surface and triangle of a triangle number of the world's own tree.
-fn locate(flattened: &[(u32, u32)], number: u32) -> (u32, u32) {
-    let after = flattened.partition_point(|&(first, _)| first <= number);
-    let (first, surface) = flattened[after - 1];
-    (surface, number - first)
 }
 
 /// Tells a filter which surface a triangle of the world's own tree belongs to.
-struct Located<'a> {
-    world: &'a World,
+struct Named<'a> {
+    runs: &'a Runs,
     filter: &'a dyn HitFilter,
 }
 
-impl HitFilter for Located<'_> {
+impl HitFilter for Named<'_> {
     fn flags(&self) -> u32 {
         self.filter.flags()
     }
 
     fn accepts(&self, ray: &Ray, hit: &Hit, from_behind: bool) -> bool {
-        self.filter.accepts(ray, &self.world.located(hit), from_behind)
+        self.filter.accepts(ray, &self.runs.named(hit), from_behind)
     }
 }
 
@@ -408,14 +386,15 @@ impl Triangles for MeshPart {
 }
 
 /// The triangles of the world's own tree.
-struct FlattenedTriangles<'a> {
+struct OwnTriangles<'a> {
     parts: &'a [Part],
-    flattened: &'a [(u32, u32)],
+    runs: &'a Runs,
 }
 
-impl Triangles for FlattenedTriangles<'_> {
+impl Triangles for OwnTriangles<'_> {
     fn triangle(&self, number: u32) -> ([Vec3; 3], u32) {
-        let (surface, triangle) = locate(self.flattened, number);
+        let Run { first, surface, .. } = self.runs.of(number);
+        let triangle = number - first;
         match &self.parts[surface as usize] {
             Part::Mesh(part) => part.triangle(triangle),
             Part::Analytic(shape, flags) => (shape.triangle(triangle), *flags),
@@ -427,7 +406,7 @@ impl Triangles for FlattenedTriangles<'_> {
 #[derive(Default)]
 struct TopBuilder {
     references: Vec<Reference>,
-    flattened: Vec<(u32, u32)>,
+    runs: Vec<Run>,
     triangles: u32,
     endless: Vec<u32>,
 }
@@ -436,7 +415,7 @@ impl TopBuilder {
     fn add(&mut self, surface: u32, part: &Part, tree: Option<&Tree>, motion: Option<&Motion>) {
         match (part, tree) {
             (Part::Mesh(part), None) => {
-                self.flattened.push((self.triangles, surface));
+                self.runs.push(Run { first: self.triangles, surface, in_pairs: false });
                 self.references.par_extend(triangle_references(part, self.triangles));
                 self.triangles += part.mesh.triangles.len() as u32;
             }
@@ -455,7 +434,7 @@ impl TopBuilder {
 
     /// What is made of squares goes in as `count` triangles.
     fn squares(&mut self, surface: u32, shape: &Analytic, count: u32) {
-        self.flattened.push((self.triangles, surface));
+        self.runs.push(Run { first: self.triangles, surface, in_pairs: true });
         self.references.extend((0..count).map(|number| {
             let bounds = Bounds::around(shape.triangle(number));
             Reference::new(bounds, Item::Triangle(self.triangles + number))

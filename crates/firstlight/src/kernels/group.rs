@@ -1,6 +1,6 @@
 //! Eight rays, structure of arrays, prepared for boxes and triangles.
 
-use super::layout::{EntryPlanes, Node, TriangleBlock};
+use super::layout::{Axis, EntryPlanes, Node, TriangleBlock};
 use super::traverse::{PAD, SMALLEST, Slabs};
 use super::triangles::{Shear, axes};
 use crate::geometry::{Hit, Ray};
@@ -37,6 +37,16 @@ fn uniform(bits: u32) -> bool {
     bits == 0 || bits == ALL
 }
 
+/// Three rows, one for each axis, so that the axis along which a ray goes furthest (x, else y, else z) comes last.
+#[inline(always)]
+fn turned<F: Lanes>((along_x, along_y): (F::Mask, F::Mask), [x, y, z]: [F; 3]) -> [F; 3] {
+    [
+        y.select(along_x, z.select(along_y, x)),
+        z.select(along_x, x.select(along_y, y)),
+        x.select(along_x, y.select(along_y, z)),
+    ]
+}
+
 /// One lane of three rows, in every lane.
 #[inline(always)]
 fn splat<S: Simd>(simd: S, rows: &[Row; 3], lane: usize) -> [S::F; 3] {
@@ -55,11 +65,13 @@ pub(super) struct Group {
     pub t_min: Row,
     /// How far each ray still looks; −∞ if it has its answer.
     pub t: Row,
+    /// The axis along which each ray goes furthest, the first of equals: its number, as bits.
+    along: Row,
+    /// Whether that is the same for all rays.
+    one_way: bool,
+    /// For triangles: shear along the two other axes, and the origin with these first.
     shear: [Row; 2],
-    /// The axis along which each ray goes furthest, the first of equals: x or y as bits, else z.
-    along: [u32; 2],
-    /// The signs of the directions, per axis, as bits.
-    signs: [u32; 3],
+    turned: [Row; 3],
     /// The largest coordinate of the origins.
     pub magnitude: f32,
 }
@@ -74,9 +86,10 @@ impl Group {
         far: [Row::ZERO; 3],
         t_min: Row::ZERO,
         t: Row::ZERO,
+        along: Row::ZERO,
+        one_way: false,
         shear: [Row::ZERO; 2],
-        along: [0; 2],
-        signs: [0; 3],
+        turned: [Row::ZERO; 3],
         magnitude: 0.0,
     };
 
@@ -92,7 +105,6 @@ impl Group {
         self.origin = [row(ox), row(oy), row(oz)];
         self.direction = [row(dx), row(dy), row(dz)];
         (self.t_min, self.t) = (row(t_min), row(t_max));
-        self.signs = [dx.signs(), dy.signs(), dz.signs()];
     }
 
     /// Prepares its rays for a tree with coordinates up to `reach`.
@@ -139,19 +151,15 @@ impl Group {
     fn prepare_shear<S: Simd>(&mut self, simd: S) {
         let [dx, dy, dz] = load(simd, &self.direction);
         let [x, y, z] = [dx.abs(), dy.abs(), dz.abs()];
-        let (along_x, along_y) = (y.le(x) & z.le(x), z.le(y));
-        self.along = [along_x.bits(), along_y.bits() & !along_x.bits()];
-        let first = dy.select(along_x, dz.select(along_y, dx));
-        let second = dz.select(along_x, dx.select(along_y, dy));
-        let largest = dx.select(along_x, dy.select(along_y, dz));
+        let along = (y.le(x) & z.le(x), z.le(y));
+        self.one_way = uniform(along.0.bits()) && uniform(along.1.bits() & !along.0.bits());
+        let [first, second, largest] = turned(along, [dx, dy, dz]);
         self.shear = [row(first / largest), row(second / largest)];
-    }
-
-    /// The signs of the directions as bits, if all rays agree in them.
-    #[inline(always)]
-    pub(super) fn octant(&self) -> Option<u32> {
-        let [x, y, z] = self.signs;
-        (uniform(x) && uniform(y) && uniform(z)).then_some(x & 1 | y & 2 | z & 4)
+        let [first, second, third] = turned(along, load(simd, &self.origin));
+        self.turned = [row(first), row(second), row(third)];
+        let [x, y, z] = [0, 1, 2].map(f32::from_bits);
+        let [_, _, number] = turned(along, [simd.splat(x), simd.splat(y), simd.splat(z)]);
+        self.along = row(number);
     }
 
     /// Which rays have no answer yet.
@@ -163,14 +171,13 @@ impl Group {
     /// Whether all rays, which are prepared, agree in their largest axis.
     #[inline(always)]
     pub(super) fn goes_one_way(&self) -> bool {
-        uniform(self.along[0]) && uniform(self.along[1])
+        self.one_way
     }
 
-    /// The axis along which a ray goes furthest.
+    /// The order of the axes for a ray.
     #[inline(always)]
-    fn along(&self, lane: usize) -> usize {
-        let [x, y] = self.along.map(|bits| bits >> lane & 1);
-        2 - 2 * x as usize - y as usize
+    fn axes(&self, lane: usize) -> [Axis; 3] {
+        axes(self.along.0[lane].to_bits() as usize)
     }
 
     /// Where its rays end along one axis.
@@ -183,30 +190,20 @@ impl Group {
     /// Its rays, which agree in their largest axis, prepared for triangles.
     #[inline(always)]
     pub(super) fn shear<S: Simd>(&self, simd: S) -> Shear<S> {
-        let [x, y, z] = axes(self.along(0));
         Shear {
-            axes: [x, y, z],
+            axes: self.axes(0),
             shear: [simd.load(&self.shear[0].0), simd.load(&self.shear[1].0)],
-            origin: [
-                simd.load(&self.origin[x as usize].0),
-                simd.load(&self.origin[y as usize].0),
-                simd.load(&self.origin[z as usize].0),
-            ],
+            origin: load(simd, &self.turned),
         }
     }
 
     /// One of its rays, prepared for triangles.
     #[inline(always)]
     pub(super) fn shear_of<S: Simd>(&self, simd: S, lane: usize) -> Shear<S> {
-        let [x, y, z] = axes(self.along(lane));
         Shear {
-            axes: [x, y, z],
+            axes: self.axes(lane),
             shear: [simd.splat(self.shear[0].0[lane]), simd.splat(self.shear[1].0[lane])],
-            origin: [
-                simd.splat(self.origin[x as usize].0[lane]),
-                simd.splat(self.origin[y as usize].0[lane]),
-                simd.splat(self.origin[z as usize].0[lane]),
-            ],
+            origin: splat(simd, &self.turned, lane),
         }
     }
 

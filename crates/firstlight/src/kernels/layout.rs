@@ -72,7 +72,8 @@ pub(crate) struct Node {
     children: [u32; LANES],
 }
 
-/// Reference to a node, a block of triangles or another surface: two bits of kind, thirty of index.
+/// Reference to a node, a block of triangles or another surface: two bits of kind, thirty of index. The highest bit tells
+/// what is not a node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Child(u32);
 
@@ -87,9 +88,11 @@ pub(crate) enum Target {
 
 impl Child {
     const INDEX_BITS: u32 = 30;
+    const BLOCK: u32 = 2;
+    const OTHER: u32 = 3;
 
     /// Reference to nothing.
-    pub(crate) const NOTHING: Self = Self(3 << Self::INDEX_BITS);
+    pub(crate) const NOTHING: Self = Self(u32::MAX);
 
     /// Reference to `nodes[index]`.
     pub(crate) fn node(index: usize) -> Self {
@@ -98,12 +101,12 @@ impl Child {
 
     /// Reference to `blocks[index]`.
     pub(crate) fn block(index: usize) -> Self {
-        Self(1 << Self::INDEX_BITS | index as u32)
+        Self(Self::BLOCK << Self::INDEX_BITS | index as u32)
     }
 
     /// Reference to something that is not triangles, by its surface.
     pub(crate) fn other(surface: u32) -> Self {
-        Self(2 << Self::INDEX_BITS | surface)
+        Self(Self::OTHER << Self::INDEX_BITS | surface)
     }
 
     /// As a number.
@@ -118,26 +121,26 @@ impl Child {
         Self(bits)
     }
 
-    /// Whether it is a node: kind 0.
+    /// 0 for a node, 1 for everything else.
     #[inline(always)]
-    pub(super) fn is_node(self) -> bool {
-        self.0 >> Self::INDEX_BITS == 0
+    pub(super) fn is_no_node(self) -> u32 {
+        self.0 >> (u32::BITS - 1)
     }
 
-    /// The number of what it refers to.
+    /// The number of the node that it is.
     #[inline(always)]
-    pub(super) fn index(self) -> usize {
-        (self.0 & ((1 << Self::INDEX_BITS) - 1)) as usize
+    pub(super) fn node_index(self) -> usize {
+        self.0 as usize
     }
 
     #[inline(always)]
     pub(super) fn target(self) -> Target {
-        let index = self.index();
+        let index = self.0 & ((1 << Self::INDEX_BITS) - 1);
         match self.0 >> Self::INDEX_BITS {
-            0 => Target::Node(index),
-            1 => Target::Block(index),
-            2 => Target::Other(index as u32),
-            _ => Target::Nothing,
+            Self::BLOCK => Target::Block(index as usize),
+            Self::OTHER if self == Self::NOTHING => Target::Nothing,
+            Self::OTHER => Target::Other(index),
+            _ => Target::Node(index as usize),
         }
     }
 }
@@ -356,8 +359,7 @@ impl Tree {
     /// Where nodes and blocks lie.
     #[inline(always)]
     pub(super) fn places(&self) -> Places {
-        let root = self.nodes.as_ptr().cast();
-        Places([root, self.blocks.as_ptr().cast(), root, root])
+        Places([self.nodes.as_ptr().cast(), self.blocks.as_ptr().cast()])
     }
 
     /// What the triangle in `lane` of a block is.
@@ -372,18 +374,19 @@ impl Tree {
     }
 }
 
-/// Where things lie in memory, by the kind of a [`Child`].
+/// Where nodes and blocks lie in memory.
 #[derive(Clone, Copy)]
-pub(super) struct Places([*const u8; 4]);
+pub(super) struct Places([*const u8; 2]);
 
 impl Places {
     /// Asks for what `child` refers to, without asking what it is: nobody could foresee the answer.
     #[inline(always)]
     pub(super) fn prefetch<S: Simd>(&self, simd: S, child: Child) {
-        const NODE_BITS: u32 = size_of::<Node>().ilog2();
-        let kind = child.0 >> Child::INDEX_BITS;
+        const KIND_BITS: u32 = u32::BITS - Child::INDEX_BITS;
+        const SHIFT: u32 = size_of::<Node>().ilog2() - KIND_BITS;
+        let is_block = child.is_no_node();
         // A block is half as large as a node.
-        let offset = child.index() << (NODE_BITS - kind);
-        simd.prefetch(self.0[kind as usize % 4].wrapping_add(offset).cast::<Node>());
+        let offset = ((child.0 << KIND_BITS) as usize) << SHIFT >> is_block;
+        simd.prefetch(self.0[is_block as usize].wrapping_add(offset).cast::<Node>());
     }
 }

@@ -13,16 +13,16 @@ use glam::Vec3;
 /// How many sets of slots there are.
 const SETS: usize = 1 << LANES;
 
-/// The order for rays with the same signs.
+/// The order for rays with the same signs; for those with the opposite signs, the reverse.
 pub(super) struct Order {
-    /// The slots of each set, the nearest last.
+    /// The slots of each set, the first last, so that it comes to lie on top of a stack.
     slots: [[u8; LANES]; SETS],
-    /// The nearest slot of each set.
-    nearest: [u8; SETS],
+    /// The first slot of each set.
+    first: [u8; SETS],
 }
 
 static ORDERS: [Order; 8] = {
-    let mut orders = [const { Order { slots: [[0; LANES]; SETS], nearest: [0; SETS] } }; 8];
+    let mut orders = [const { Order { slots: [[0; LANES]; SETS], first: [0; SETS] } }; 8];
     let mut i = 0;
     while i < 8 * SETS * LANES {
         let (octant, set, from_far) = (i / LANES / SETS, i / LANES % SETS, i % LANES);
@@ -35,7 +35,7 @@ static ORDERS: [Order; 8] = {
                 j += 1;
             }
             orders[octant].slots[set][farther] = slot as u8;
-            orders[octant].nearest[set] = slot as u8;
+            orders[octant].first[set] = slot as u8;
         }
         i += 1;
     }
@@ -43,22 +43,22 @@ static ORDERS: [Order; 8] = {
 };
 
 impl Order {
-    /// For directions whose signs are the bits of `octant`.
+    /// The nearest first for directions whose signs are the lowest bits of `octant`.
     #[inline(always)]
     pub(super) fn of(octant: u32) -> &'static Self {
         &ORDERS[octant as usize % 8]
     }
 
-    /// The slots of a set, the nearest last.
+    /// The slots of a set, the first last.
     #[inline(always)]
     pub(super) fn slots(&self, set: u32) -> &[u8; LANES] {
         &self.slots[set as usize % SETS]
     }
 
-    /// The nearest slot of a set; 0 of none.
+    /// The first slot of a set; 0 of none.
     #[inline(always)]
-    pub(super) fn nearest(&self, set: u32) -> usize {
-        usize::from(self.nearest[set as usize % SETS]) % LANES
+    pub(super) fn first(&self, set: u32) -> usize {
+        usize::from(self.first[set as usize % SETS]) % LANES
     }
 }
 
@@ -100,10 +100,13 @@ mod tests {
                 let visited = &slots[..set.count_ones() as usize];
                 assert_eq!(visited.iter().fold(0, |all, slot| all | 1 << slot), set);
                 assert!(visited.is_sorted_by(|a, b| a ^ octant > b ^ octant));
-                assert!(visited.last().is_none_or(|&slot| slot == order.nearest(set)));
+                assert!(visited.last().is_none_or(|&slot| slot == order.first(set)));
             }
+            let mut backward = *Order::of(!octant as u32).slots(0xff);
+            backward.reverse();
+            assert_eq!(backward, *order.slots(0xff));
             // A direction with these signs comes from the corner of slot `octant`.
-            assert_eq!(order.nearest(0xff), octant);
+            assert_eq!(order.first(0xff), octant);
             assert_eq!((-corner(octant)).is_negative_bitmask(), octant as u32);
         }
     }

@@ -18,7 +18,7 @@ use std::hint::select_unpredictable;
 /// Rays that are on their way at once.
 const WALKERS: usize = 16;
 /// With no more than this at nodes, those at leaves come first.
-const FEW: usize = WALKERS / 2;
+const FEW: u32 = WALKERS as u32 / 2;
 /// Trees with fewer nodes have a ray answered before turns pay.
 const MANY: usize = 64;
 /// Boxes that may wait for one ray.
@@ -43,8 +43,7 @@ impl Strays {
     pub(super) fn add<const ANY: bool>(&mut self, first: usize, rays: &[Ray], hits: &[Hit]) {
         for (i, (ray, hit)) in rays.iter().zip(hits).enumerate() {
             if !(ANY && hit.is_some()) {
-                let octant = ray.direction.is_negative_bitmask();
-                self.0[octant as usize % 8].push((first + i) as u32);
+                self.0[ray.octant() as usize % 8].push((first + i) as u32);
             }
         }
     }
@@ -70,12 +69,14 @@ struct Walker<S: Simd> {
     slabs: Slabs<S>,
     shear: Shear<S>,
     ray: u32,
-    hit: Hit,
+    /// How far it looks.
+    t: f32,
     /// Where it is.
     at: Child,
-    /// Where that waits among the others.
+    /// The place of what waits on top.
     top: usize,
-    /// Where it will be, the nearest on top: the bits of each [`Child`], and where the ray enters its box.
+    /// Where it will be, the next on top, and above that where it is: the bits of each [`Child`], and where the ray
+    /// enters its box.
     waiting: [u32; WAITING + LANES],
     near: [f32; WAITING + LANES],
 }
@@ -89,7 +90,7 @@ impl<S: Simd> Walker<S> {
             slabs: group.slabs_of(simd, 0),
             shear: group.shear_of(simd, 0),
             ray: 0,
-            hit: Hit::none(0.0),
+            t: 0.0,
             at: Child::NOTHING,
             top: 0,
             waiting: [Child::NOTHING.bits(); WAITING + LANES],
@@ -99,13 +100,13 @@ impl<S: Simd> Walker<S> {
 
     /// Sets out from the root with one ray of a group.
     #[inline(always)]
-    fn start(&mut self, simd: S, (group, lane): (&Group, usize), ray: u32, hit: Hit) {
+    fn start(&mut self, simd: S, (group, lane): (&Group, usize), ray: u32, t: f32) {
         (self.slabs, self.shear) = (group.slabs_of(simd, lane), group.shear_of(simd, lane));
-        (self.ray, self.hit, self.at, self.top) = (ray, hit, Child::node(0), 1);
+        (self.ray, self.t, self.at, self.top) = (ray, t, Child::node(0), 0);
     }
 
-    /// Goes from a node to the nearest of its boxes that the ray meets; the others wait. If there are none, to what
-    /// waits there.
+    /// Goes from a node to the first in `order` of its boxes that the ray meets; the others wait. If there are none, to
+    /// what waits there.
     #[inline(always)]
     fn step<const ANY: bool>(
         &mut self,
@@ -113,49 +114,53 @@ impl<S: Simd> Walker<S> {
         (entry, order): (&EntryPlanes, &Order),
         node: &Node,
     ) {
-        let (met, near) = self.slabs.meet(entry, node, self.hit.t);
+        let (met, near) = self.slabs.meet(entry, node, self.t);
         let (slots, top) = (order.slots(met), self.top % WAITING);
-        let below = Child::from_bits(self.waiting[top.wrapping_sub(1) % WAITING]);
-        let nearest = node.child(order.nearest(met));
+        let below = Child::from_bits(self.waiting[top]);
+        let first = node.child(order.first(met));
         let children = simd.permute_words(node.children(), slots);
-        self.waiting[top..top + LANES].copy_from_slice(&children);
+        self.waiting[top + 1..][..LANES].copy_from_slice(&children);
         if !ANY {
-            self.near[top..top + LANES].copy_from_slice(&near.permute(slots).to_array());
+            self.near[top + 1..][..LANES].copy_from_slice(&near.permute(slots).to_array());
         }
         self.top = (top + met.count_ones() as usize).wrapping_sub(1);
-        self.at = select_unpredictable(met == 0, below, nearest);
+        self.at = select_unpredictable(met == 0, below, first);
     }
 
     /// Goes on to the next that waits.
     #[inline(always)]
     fn leave(&mut self) {
-        self.top = self.top.wrapping_sub(1) % WAITING;
-        self.at = Child::from_bits(self.waiting[self.top]);
+        let top = self.top % WAITING;
+        self.at = Child::from_bits(self.waiting[top]);
+        self.top = top.wrapping_sub(1);
     }
 
     /// Whether it may find something nearer than its hit where it is.
     #[inline(always)]
     fn is_in_reach<const ANY: bool>(&self) -> bool {
-        ANY || self.near[self.top % WAITING] <= self.hit.t
+        ANY || self.near[self.top.wrapping_add(1) % WAITING] <= self.t
     }
 
     /// Meets what is not a node, one after the other, until it comes to a node or is done.
     #[inline(always)]
     fn meet<O: Others, const ANY: bool>(
         &mut self,
-        search: &Search<S>,
-        walk: &Walk<O>,
+        simd: S,
+        walk: &mut Walk<O>,
         stack: &mut Stack,
     ) {
+        let number = self.ray as usize;
+        let (ray, hit) = (&walk.rays[number], &mut walk.hits[number]);
+        let search = Search { simd, ray, filter: walk.filter, flags: walk.flags };
         loop {
-            let (ray, in_reach) = (search.ray, self.is_in_reach::<ANY>());
+            let in_reach = self.is_in_reach::<ANY>();
             let found = match self.at.target() {
                 Target::Block(index) if in_reach => {
                     let (block, shear) = (&walk.tree.blocks[index], &self.shear);
-                    search.meet(walk.tree, block, ray, shear, FLATTENED, &mut self.hit)
+                    search.meet(walk.tree, block, ray, shear, FLATTENED, hit)
                 }
                 Target::Other(surface) if in_reach => {
-                    walk.others.visit::<S, ANY>(search, surface, &mut self.hit, stack)
+                    walk.others.visit::<S, ANY>(&search, surface, hit, stack)
                 }
                 Target::Block(_) | Target::Other(_) => false,
                 Target::Node(_) | Target::Nothing => return,
@@ -164,55 +169,46 @@ impl<S: Simd> Walker<S> {
                 self.at = Child::NOTHING;
                 return;
             }
+            self.t = hit.t;
             self.leave();
         }
     }
 }
 
-/// Numbers of walkers.
-struct Queue {
-    /// Twice as long as it may become, as some are written that do not stay.
-    walkers: [u8; 2 * WALKERS],
-    len: usize,
+/// Numbers of walkers, as bits.
+#[derive(Clone, Copy, PartialEq, Eq)]
+struct Set(u32);
+
+impl Set {
+    const NONE: Self = Self(0);
+    const ALL: Self = Self((1 << WALKERS) - 1);
+
+    fn is_empty(self) -> bool {
+        self == Self::NONE
+    }
 }
 
-impl Queue {
-    const EMPTY: Self = Self { walkers: [0; 2 * WALKERS], len: 0 };
+impl Iterator for Set {
+    type Item = usize;
 
     #[inline(always)]
-    fn get(&self, i: usize) -> usize {
-        usize::from(self.walkers[i % (2 * WALKERS)]) % WALKERS
-    }
-
-    #[inline(always)]
-    fn set(&mut self, i: usize, walker: usize) {
-        self.walkers[i % (2 * WALKERS)] = walker as u8;
-    }
-
-    /// Adds a walker on a condition that nobody could foresee.
-    #[inline(always)]
-    fn push_if(&mut self, condition: bool, walker: usize) {
-        self.set(self.len, walker);
-        self.len += usize::from(condition);
+    fn next(&mut self) -> Option<usize> {
+        let (rest, first) = (self.0, self.0.trailing_zeros() as usize % WALKERS);
+        self.0 &= rest.wrapping_sub(1);
+        (rest != 0).then_some(first)
     }
 }
 
 /// Which walkers are where.
-struct Queues {
-    at_nodes: Queue,
+struct Crowd {
+    at_nodes: Set,
     /// At leaves and other surfaces, and those that have been everywhere.
-    elsewhere: Queue,
-    idle: Queue,
+    elsewhere: Set,
+    idle: Set,
 }
 
-impl Queues {
-    fn all_idle() -> Self {
-        let mut idle = Queue::EMPTY;
-        for walker in 0..WALKERS {
-            idle.push_if(true, walker);
-        }
-        Self { at_nodes: Queue::EMPTY, elsewhere: Queue::EMPTY, idle }
-    }
+impl Crowd {
+    const IDLE: Self = Self { at_nodes: Set::NONE, elsewhere: Set::NONE, idle: Set::ALL };
 }
 
 /// Rays that walk through a tree in turns.
@@ -243,31 +239,30 @@ impl<'a, S: Simd, O: Others> Stream<'a, S, O> {
     /// Answers `rays`, whose directions have the signs in `octant`.
     #[inline(always)]
     fn answer<const ANY: bool>(&mut self, octant: u32, rays: &[u32]) {
-        let mut queues = Queues::all_idle();
-        let mut next = self.set_out(rays, 0, &mut queues);
-        while queues.at_nodes.len > 0 {
+        let mut crowd = Crowd::IDLE;
+        let mut next = self.set_out(rays, 0, &mut crowd);
+        while !crowd.at_nodes.is_empty() {
             // Compiled once for each, so that which planes rays enter through is no variable.
             match octant {
-                0 => self.walk::<ANY, 0>(&mut queues),
-                1 => self.walk::<ANY, 1>(&mut queues),
-                2 => self.walk::<ANY, 2>(&mut queues),
-                3 => self.walk::<ANY, 3>(&mut queues),
-                4 => self.walk::<ANY, 4>(&mut queues),
-                5 => self.walk::<ANY, 5>(&mut queues),
-                6 => self.walk::<ANY, 6>(&mut queues),
-                _ => self.walk::<ANY, 7>(&mut queues),
+                0 => self.walk::<ANY, 0>(&mut crowd),
+                1 => self.walk::<ANY, 1>(&mut crowd),
+                2 => self.walk::<ANY, 2>(&mut crowd),
+                3 => self.walk::<ANY, 3>(&mut crowd),
+                4 => self.walk::<ANY, 4>(&mut crowd),
+                5 => self.walk::<ANY, 5>(&mut crowd),
+                6 => self.walk::<ANY, 6>(&mut crowd),
+                _ => self.walk::<ANY, 7>(&mut crowd),
             }
-            self.meet::<ANY>(&mut queues);
-            next = self.set_out(rays, next, &mut queues);
+            self.meet::<ANY>(&mut crowd);
+            next = self.set_out(rays, next, &mut crowd);
         }
     }
 
     /// Idle walkers take up rays from number `next` on; returns that of the ray after them.
     #[inline(always)]
-    fn set_out(&mut self, rays: &[u32], mut next: usize, queues: &mut Queues) -> usize {
-        while queues.idle.len > 0 && next < rays.len() {
-            queues.idle.len -= 1;
-            let walker = queues.idle.get(queues.idle.len);
+    fn set_out(&mut self, rays: &[u32], mut next: usize, crowd: &mut Crowd) -> usize {
+        while next < rays.len() {
+            let Some(walker) = crowd.idle.next() else { break };
             if next.is_multiple_of(LANES) {
                 let last = rays.len() - 1;
                 let ray = |lane| &self.walk.rays[rays[last.min(next + lane)] as usize];
@@ -275,10 +270,10 @@ impl<'a, S: Simd, O: Others> Stream<'a, S, O> {
                 self.group.load(self.simd, group);
                 self.group.prepare(self.simd, self.walk.tree.reach);
             }
-            let (ray, hit) = (rays[next], self.walk.hits[rays[next] as usize]);
-            let group = (&self.group, next % LANES);
-            self.walkers[walker].start(self.simd, group, ray, hit);
-            queues.at_nodes.push_if(true, walker);
+            let (ray, group) = (rays[next], (&self.group, next % LANES));
+            let t = self.walk.hits[ray as usize].t;
+            self.walkers[walker].start(self.simd, group, ray, t);
+            crowd.at_nodes.0 |= 1 << walker;
             next += 1;
         }
         next
@@ -286,48 +281,44 @@ impl<'a, S: Simd, O: Others> Stream<'a, S, O> {
 
     /// Walkers at nodes go on until few are left there.
     #[inline(always)]
-    fn walk<const ANY: bool, const OCTANT: u32>(&mut self, queues: &mut Queues) {
-        self.step::<ANY, OCTANT>(queues);
-        while queues.at_nodes.len > FEW {
-            self.step::<ANY, OCTANT>(queues);
+    fn walk<const ANY: bool, const OCTANT: u32>(&mut self, crowd: &mut Crowd) {
+        loop {
+            self.step::<ANY, OCTANT>(crowd);
+            if crowd.at_nodes.0.count_ones() <= FEW {
+                break;
+            }
         }
     }
 
     /// All walkers at nodes go one step.
     #[inline(always)]
-    fn step<const ANY: bool, const OCTANT: u32>(&mut self, queues: &mut Queues) {
-        let (entry, order) = (EntryPlanes::of(OCTANT), Order::of(OCTANT));
-        let (nodes, places): (&[Node], _) = (&self.walk.tree.nodes, self.places);
-        let (count, elsewhere) = (queues.at_nodes.len, queues.elsewhere.len);
-        let mut stay = 0;
-        for i in 0..count {
-            let number = queues.at_nodes.get(i);
+    fn step<const ANY: bool, const OCTANT: u32>(&mut self, crowd: &mut Crowd) {
+        // Of any hit, what is far is more often one: what is near is mostly the surface that the ray leaves.
+        let order = Order::of(if ANY { !OCTANT } else { OCTANT });
+        let entry = EntryPlanes::of(OCTANT);
+        let nodes: &[Node] = &self.walk.tree.nodes;
+        let mut gone = 0;
+        for number in crowd.at_nodes {
             let walker = &mut self.walkers[number];
-            walker.step::<ANY>(self.simd, (entry, order), &nodes[walker.at.index()]);
-            places.prefetch(self.simd, walker.at);
-            queues.at_nodes.set(stay, number);
-            queues.elsewhere.set(elsewhere + i - stay, number);
-            stay += usize::from(walker.at.is_node());
+            walker.step::<ANY>(self.simd, (entry, order), &nodes[walker.at.node_index()]);
+            self.places.prefetch(self.simd, walker.at);
+            gone |= walker.at.is_no_node() << number;
         }
-        (queues.at_nodes.len, queues.elsewhere.len) = (stay, elsewhere + count - stay);
+        crowd.elsewhere.0 |= gone;
+        crowd.at_nodes.0 &= !gone;
     }
 
     /// All walkers elsewhere meet what is there.
     #[inline(always)]
-    fn meet<const ANY: bool>(&mut self, queues: &mut Queues) {
-        let count = std::mem::take(&mut queues.elsewhere.len);
-        for i in 0..count {
-            let number = queues.elsewhere.get(i);
-            let (walk, walker) = (&mut self.walk, &mut self.walkers[number]);
-            let ray = &walk.rays[walker.ray as usize];
-            let search = Search { simd: self.simd, ray, filter: walk.filter, flags: walk.flags };
-            walker.meet::<O, ANY>(&search, walk, &mut self.inner);
-            let is_done = !walker.at.is_node();
-            queues.at_nodes.push_if(!is_done, number);
-            queues.idle.push_if(is_done, number);
-            if is_done {
-                walk.hits[walker.ray as usize] = walker.hit;
-            }
+    fn meet<const ANY: bool>(&mut self, crowd: &mut Crowd) {
+        let mut done = 0;
+        for number in crowd.elsewhere {
+            let walker = &mut self.walkers[number];
+            walker.meet::<O, ANY>(self.simd, &mut self.walk, &mut self.inner);
+            done |= walker.at.is_no_node() << number;
         }
+        crowd.idle.0 |= done;
+        crowd.at_nodes.0 |= crowd.elsewhere.0 & !done;
+        crowd.elsewhere = Set::NONE;
     }
 }

@@ -1,0 +1,113 @@
+//! Which surface a triangle of the world's own tree belongs to.
+
+use crate::geometry::Hit;
+use crate::kernels::FLATTENED;
+use std::hint::select_unpredictable;
+
+/// Triangles of one surface: from number `first` up to the first of the next run.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Run {
+    /// The number of its first triangle.
+    pub first: u32,
+    /// Whose they are.
+    pub surface: u32,
+    /// Whether every two of them are one part of an analytic surface.
+    pub in_pairs: bool,
+}
+
+/// All triangles of the world's own tree.
+#[derive(Debug)]
+pub(super) struct Runs {
+    /// In order.
+    runs: Vec<Run>,
+    /// The run of every 2^`shift`-th triangle, so that the others' are near.
+    guide: Vec<u32>,
+    shift: u32,
+}
+
+/// Length of the guide, at most: what stays in the nearest cache.
+const GUIDE: u32 = 1024;
+
+impl Runs {
+    /// Of so many `triangles` in all; `runs` are in order.
+    pub(super) fn new(runs: Vec<Run>, triangles: u32) -> Self {
+        let shift = triangles.div_ceil(GUIDE).next_power_of_two().ilog2();
+        let numbers = (0..triangles).step_by(1 << shift);
+        let run_of = |number| runs.partition_point(|run| run.first <= number) as u32 - 1;
+        let guide = numbers.map(run_of).collect();
+        Self { runs, guide, shift }
+    }
+
+    /// The run of a triangle.
+    #[inline(always)]
+    pub(super) fn of(&self, number: u32) -> Run {
+        let mut i = self.guide[(number >> self.shift) as usize] as usize;
+        while self.runs.get(i + 1).is_some_and(|next| next.first <= number) {
+            i += 1;
+        }
+        self.runs[i]
+    }
+
+    /// Names the surfaces of hits that only name triangles. What is hit cannot be foreseen, so that nothing branches on it.
+    pub(super) fn name(&self, hits: &mut [Hit]) {
+        if !self.guide.is_empty() {
+            hits.iter_mut().for_each(|hit| *hit = self.named(hit));
+        }
+    }
+
+    /// A hit with its surface and its part of that; any other as it is.
+    #[inline(always)]
+    pub(super) fn named(&self, hit: &Hit) -> Hit {
+        let is_triangle = hit.surface == FLATTENED;
+        let run = self.of(select_unpredictable(is_triangle, hit.primitive, 0));
+        let in_pairs = is_triangle & run.in_pairs;
+        let part = hit.primitive.wrapping_sub(run.first) >> u32::from(run.in_pairs);
+        Hit {
+            t: hit.t,
+            u: select_unpredictable(in_pairs, 0.0, hit.u),
+            v: select_unpredictable(in_pairs, 0.0, hit.v),
+            surface: select_unpredictable(is_triangle, run.surface, hit.surface),
+            primitive: select_unpredictable(is_triangle, part, hit.primitive),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Short and long runs, and some of no triangles, among more triangles than the guide has entries.
+    #[test]
+    fn every_triangle_finds_its_run() {
+        let lengths = [1, 0, 2, 12, 0, 0, 5000, 1, 1, 700, 0, 9];
+        let mut first = 0;
+        let mut expected = Vec::new();
+        let run = |(surface, length)| {
+            let run = Run { first, surface: surface as u32, in_pairs: surface % 2 == 1 };
+            expected.extend((0..length).map(|triangle| (run.surface, triangle)));
+            first += length;
+            run
+        };
+        let runs: Vec<_> = lengths.into_iter().enumerate().map(run).collect();
+        let runs = Runs::new(runs, first);
+        let at = |primitive| Hit { t: 1.0, u: 0.25, v: 0.5, surface: FLATTENED, primitive };
+        let mut hits: Vec<_> = (0..first).map(at).collect();
+        hits.push(Hit::none(3.0));
+        hits.push(Hit { surface: 4, ..at(7) });
+        let others = hits[hits.len() - 2..].to_vec();
+        runs.name(&mut hits);
+        for (hit, (surface, triangle)) in hits.iter().zip(&expected) {
+            let in_pairs = surface % 2 == 1;
+            let (part, u, v) = if in_pairs { (triangle / 2, 0.0, 0.0) } else { (*triangle, 0.25, 0.5) };
+            assert_eq!(*hit, Hit { t: 1.0, u, v, surface: *surface, primitive: part });
+        }
+        assert_eq!(hits[hits.len() - 2..], others);
+    }
+
+    #[test]
+    fn without_triangles_there_is_nothing_to_name() {
+        let mut hits = [Hit::none(1.0)];
+        Runs::new(Vec::new(), 0).name(&mut hits);
+        assert_eq!(hits, [Hit::none(1.0)]);
+    }
+}
