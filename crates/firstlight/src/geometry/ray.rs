@@ -28,8 +28,7 @@ impl Ray {
     /// The signs of the direction along x, y, z as bits.
     #[inline(always)]
     pub(crate) fn octant(&self) -> u32 {
-        // With its neighbour in memory it is one vector, whose signs one instruction gathers.
-        self.direction.extend(self.t_min).is_negative_bitmask() & 7
+        self.direction.is_negative_bitmask()
     }
 
     /// The point at `t`, as rounded as the lecture's blunder needs it.
