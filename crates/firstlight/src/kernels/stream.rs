@@ -143,12 +143,7 @@ impl<S: Simd> Walker<S> {
 
     /// Meets what is not a node, one after the other, until it comes to a node or is done.
     #[inline(always)]
-    fn meet<O: Others, const ANY: bool>(
-        &mut self,
-        simd: S,
-        walk: &mut Walk<O>,
-        stack: &mut Stack,
-    ) {
+    fn meet<O: Others, const ANY: bool>(&mut self, simd: S, walk: &mut Walk<O>, stack: &mut Stack) {
         let number = self.ray as usize;
         let (ray, hit) = (&walk.rays[number], &mut walk.hits[number]);
         let search = Search { simd, ray, filter: walk.filter, flags: walk.flags };
