@@ -3,7 +3,7 @@
 //!
 //! Contract: as `traverse`, with the same bits. What one ray has to wait for (memory, the end of a long chain of
 //! operations) is filled with the steps of the others. For that nothing may branch on what a ray meets: its boxes are
-//! packed onto its stack by a table (`order`), and where it stands then decides which queue it is put into.
+//! packed onto its stack by a table (`order`), and who is where is kept in bits.
 
 use super::alone::Walk;
 use super::group::Group;
