@@ -6,7 +6,8 @@
 //! together, bounce by bounce; what one path gathers depends on no other.
 //!
 //! Unlike the lecture's sum, this is compiled once, not once per SIMD level: it is many branches and little arithmetic that would
-//! gain by it, and it is long. What it calls to trace is compiled for each.
+//! gain by it, and it is long. What it calls is compiled for each: tracing, and what is worked out for a block of paths at once,
+//! as the directions that matte surfaces pick.
 
 mod arrive;
 mod clarity;
@@ -213,8 +214,8 @@ impl Kernel for PickAll<'_> {
 impl Onward {
     #[inline(always)]
     fn pick(&mut self, block: &VertexBlock, u: &[Vec2; BLOCK]) {
-        for k in 0..BLOCK {
-            let (incoming, pdf) = block.matte(k).sample(u[k]);
+        for (k, &u) in u.iter().enumerate() {
+            let (incoming, pdf) = block.matte(k).sample(u);
             self.incoming.set(k, incoming);
             self.pdf[k] = pdf;
             self.part[k] = Cone::part(pdf);
@@ -255,7 +256,7 @@ fn scatter(scene: &Scene, bounce: u32, scratch: &mut Scratch) {
                 continue;
             }
             let (start, horizon) = (vertex.start_of(sample.through), vertex.horizon());
-            let beyond = sample.through.then(|| *media);
+            let beyond = if sample.through { Some(*media) } else { None };
             // Vertices are in the order of their walks, so that those that go on close up in place.
             let next = rays.len();
             rays.push(Ray { time: walk.time, ..Ray::new(start, sample.incoming) });

@@ -49,6 +49,7 @@ impl Techniques {
 }
 
 /// What a light gives to a vertex: the lecture's f · cos θ · E.
+#[derive(Debug, PartialEq)]
 pub(super) struct Answer {
     pub(super) source: Source,
     /// The ray that anything in the way would stop; `None` if nothing can.
@@ -207,20 +208,26 @@ impl AimColumns {
 impl Aims {
     /// What matte vertex `k`, whose rays start there, gets of the light if that emits everywhere alike.
     #[inline(always)]
-    fn answer(&self, k: usize, light: &AreaLight, start: Vec3, emitted: Rgb) -> Option<Answer> {
+    pub(super) fn answer(
+        &self,
+        k: usize,
+        light: &AreaLight,
+        start: Vec3,
+        emitted: Rgb,
+    ) -> Option<Answer> {
         let (pdf, aim) = (self.seen.pdf(k)?, self.matte.get(k, start)?);
         Some(aim.answer((light, 1.0), pdf as f32, emitted))
     }
 }
 
 /// Aims at a light that stands still from all vertices of a block.
-struct AimAll<'a> {
-    techniques: Techniques,
-    light: &'a AreaLight,
-    block: &'a VertexBlock,
+pub(super) struct AimAll<'a> {
+    pub(super) techniques: Techniques,
+    pub(super) light: &'a AreaLight,
+    pub(super) block: &'a VertexBlock,
     /// The place on the light for each of the first vertices, as two numbers in 0..1.
-    places: &'a [Vec2],
-    aims: &'a mut Aims,
+    pub(super) places: &'a [Vec2],
+    pub(super) aims: &'a mut Aims,
 }
 
 impl Kernel for AimAll<'_> {
@@ -339,7 +346,7 @@ impl Path<'_> {
 
     /// From a point of a surface that emits and had this chance of being asked.
     #[inline(always)]
-    fn light_from_area(
+    pub(super) fn light_from_area(
         &self,
         vertex: &Vertex,
         light: &AreaLight,
