@@ -98,7 +98,8 @@ mod tests {
         runs.name(&mut hits);
         for (hit, (surface, triangle)) in hits.iter().zip(&expected) {
             let in_pairs = surface % 2 == 1;
-            let (part, u, v) = if in_pairs { (triangle / 2, 0.0, 0.0) } else { (*triangle, 0.25, 0.5) };
+            let (part, u, v) =
+                if in_pairs { (triangle / 2, 0.0, 0.0) } else { (*triangle, 0.25, 0.5) };
             assert_eq!(*hit, Hit { t: 1.0, u, v, surface: *surface, primitive: part });
         }
         assert_eq!(hits[hits.len() - 2..], others);

@@ -3,6 +3,7 @@
 use crate::color::{Rgb, luminance};
 use crate::image::Image;
 use crate::scene::description::FilmDescription;
+use rayon::prelude::*;
 
 /// Which part of the pixels may be brighter than [`TARGET`].
 const PERCENTILE: f64 = 0.98;
@@ -14,7 +15,7 @@ const TARGET: f64 = 0.8;
 ///
 /// If so few pixels are lit that the percentile is black, it is taken of the lit ones. A black picture gets 0.
 pub fn auto_exposure(image: &Image) -> f64 {
-    let covered = image.pixels().iter().filter(|pixel| pixel[3] > 0.0);
+    let covered = image.pixels().par_iter().filter(|pixel| pixel[3] > 0.0);
     let mut values: Vec<f32> = covered
         .map(|&[r, g, b, _]| luminance(Rgb::new(r, g, b)))
         .filter(|l| l.is_finite())

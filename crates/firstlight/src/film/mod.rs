@@ -14,6 +14,7 @@ use crate::color::{Rgb, luminance};
 use crate::image::Image;
 use crate::math::BLOCK;
 use allotment::Watch;
+use rayon::prelude::*;
 use sums::{ExactSums, Split};
 
 /// Radiance and coverage of one camera ray.
@@ -205,12 +206,15 @@ impl Film {
     pub(crate) fn clamped(&self) -> f64 {
         let removed = |tile: &Tile| tile.clamped / f64::from(tile.samples.max(1));
         let removed: f64 = self.tiles.iter().map(removed).sum();
+        if removed <= 0.0 {
+            return 0.0;
+        }
         let kept = |tile: &Tile| {
             let kept = (0..tile.pixels.len()).filter_map(|index| tile.mean_luminance(index));
             kept.sum::<f64>()
         };
         let kept: f64 = self.tiles.iter().map(kept).sum();
-        if removed > 0.0 { removed / (removed + kept) } else { 0.0 }
+        removed / (removed + kept)
     }
 
     /// How many samples its pixels have.
@@ -238,13 +242,22 @@ impl Film {
     }
 
     /// Something about every pixel, row by row.
-    pub(crate) fn rows<T: Clone + Default>(&self, of: impl Fn(&Tile, usize) -> T) -> Vec<T> {
-        let mut rows = vec![T::default(); self.size[0] as usize * self.size[1] as usize];
-        for tile in &self.tiles {
-            for index in 0..tile.pixels.len() {
-                rows[row_index(self.origin, self.size, tile.place(index))] = of(tile, index);
+    pub(crate) fn rows<T: Clone + Default + Send>(
+        &self,
+        of: impl Fn(&Tile, usize) -> T + Sync,
+    ) -> Vec<T> {
+        let [width, height] = self.size.map(|side| side as usize);
+        let mut rows = vec![T::default(); width * height];
+        let bands = rows.par_chunks_mut(width * Tile::SIDE as usize);
+        let tiles = self.tiles.par_chunks(width.div_ceil(Tile::SIDE as usize));
+        bands.zip(tiles).for_each(|(band, tiles)| {
+            for tile in tiles {
+                let upper = [self.origin[0], tile.origin[1]];
+                for index in 0..tile.pixels.len() {
+                    band[row_index(upper, self.size, tile.place(index))] = of(tile, index);
+                }
             }
-        }
+        });
         rows
     }
 
@@ -316,26 +329,24 @@ impl Tile {
     /// Side of a tile in pixels.
     pub(crate) const SIDE: u32 = 16;
 
-    /// Cuts the rectangle at `origin` of size `size` into tiles.
+    /// Cuts the rectangle at `origin` of size `size` into tiles, row by row.
     pub(crate) fn cut(origin: [u32; 2], size: [u32; 2]) -> Vec<Self> {
-        let starts = |length: u32| (0..length).step_by(Self::SIDE as usize);
-        let tile = |x: u32, y: u32| {
+        let [columns, rows] = size.map(|side| side.div_ceil(Self::SIDE));
+        let tile = |number: u32| {
+            let [x, y] = [number % columns, number / columns].map(|place| place * Self::SIDE);
             let tile_size = [Self::SIDE.min(size[0] - x), Self::SIDE.min(size[1] - y)];
-            let pixels = vec![Pixel::default(); (tile_size[0] * tile_size[1]) as usize];
             Self {
                 origin: [origin[0] + x, origin[1] + y],
                 size: tile_size,
-                pixels,
+                pixels: vec![Pixel::default(); (tile_size[0] * tile_size[1]) as usize],
                 second: Vec::new(),
                 samples: 0,
                 clamped: 0.0,
                 watches: Default::default(),
             }
         };
-        starts(size[1])
-            .flat_map(|y| starts(size[0]).map(move |x| (x, y)))
-            .map(|(x, y)| tile(x, y))
-            .collect()
+        // In parallel, for the system takes its time to hand out memory.
+        (0..columns * rows).into_par_iter().map(tile).collect()
     }
 
     /// Whether its halves are kept apart.

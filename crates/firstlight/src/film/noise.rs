@@ -1,6 +1,7 @@
 //! How far the picture still is from the one that infinitely many samples would give.
 
 use super::{Film, Tile};
+use rayon::prelude::*;
 
 /// How large the errors of a picture are that chance has left in it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,8 +34,8 @@ impl Film {
     /// The halves of one net of samples make up for each other's errors, so that their difference says at most how
     /// large the error of the whole is. Halves that know nothing of each other tell it without bias.
     pub fn noise(&self) -> Option<Noise> {
-        let squares: Vec<_> = self.tiles.iter().flat_map(squares).collect::<Option<_>>()?;
-        let total = |of: fn(&Square) -> f64| squares.iter().map(of).sum::<f64>();
+        let squares: Vec<Vec<_>> = self.tiles.par_iter().map(squares).collect::<Option<_>>()?;
+        let total = |of: fn(&Square) -> f64| squares.iter().flatten().map(of).sum::<f64>();
         let pixels = total(|square| square.pixels);
         let mean = total(|square| square.luminance) / pixels;
         let relative = |square: &Square| {
@@ -42,7 +43,7 @@ impl Film {
             if square.variance > 0.0 { square.variance / (luminance * luminance) } else { 0.0 }
         };
         Some(Noise {
-            relative: (squares.iter().map(relative).sum::<f64>() / pixels).sqrt(),
+            relative: (squares.iter().flatten().map(relative).sum::<f64>() / pixels).sqrt(),
             mean,
             standard_error: total(|square| square.variance).sqrt() / pixels,
         })
@@ -50,12 +51,12 @@ impl Film {
 }
 
 /// The squares of a tile; `None` for one with a pixel that only one half has samples of.
-fn squares(tile: &Tile) -> impl Iterator<Item = Option<Square>> {
+fn squares(tile: &Tile) -> Option<Vec<Square>> {
     let [width, height] = tile.size;
     let corners = (0..height).step_by(SQUARE as usize);
     let corners =
         corners.flat_map(move |y| (0..width).step_by(SQUARE as usize).map(move |x| (x, y)));
-    corners.map(move |(left, upper)| {
+    let square = |(left, upper)| {
         let mut square = Square { pixels: 0.0, luminance: 0.0, variance: 0.0 };
         for y in upper..height.min(upper + SQUARE) {
             for x in left..width.min(left + SQUARE) {
@@ -66,5 +67,6 @@ fn squares(tile: &Tile) -> impl Iterator<Item = Option<Square>> {
             }
         }
         Some(square)
-    })
+    };
+    corners.map(square).collect()
 }

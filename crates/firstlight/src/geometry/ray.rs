@@ -28,8 +28,7 @@ impl Ray {
     /// The signs of the direction along x, y, z as bits.
     #[inline(always)]
     pub(crate) fn octant(&self) -> u32 {
-        // With its neighbour in memory it is one vector, whose signs one instruction gathers.
-        self.direction.extend(self.t_min).is_negative_bitmask() & 7
+        self.direction.is_negative_bitmask()
     }
 
     /// The point at `t`, as rounded as the lecture's blunder needs it.
@@ -94,10 +93,16 @@ impl Cone {
         Self { width: self.width + self.spread * distance, ..self }
     }
 
-    /// The cone in a direction that was picked with a density, sr⁻¹: a part of all directions that it stands for, so that
-    /// many paths together blur nothing that matters.
-    pub(crate) fn scattered(self, pdf: f32) -> Self {
+    /// The cone in a direction that [stands for](Cone::part) others.
+    pub(crate) fn scattered(self, part: f32) -> Self {
+        Self { spread: self.spread.max(part), ..self }
+    }
+
+    /// The spread that stands for a direction that was picked with a density, sr⁻¹: of a part of all directions that it stands
+    /// for, so that many paths together blur nothing that matters.
+    #[inline(always)]
+    pub(crate) fn part(pdf: f32) -> f32 {
         const PART: f32 = 0.2;
-        Self { spread: self.spread.max((PART / (PI * pdf).sqrt()).min(PART)), ..self }
+        (PART / (PI * pdf).sqrt()).min(PART)
     }
 }

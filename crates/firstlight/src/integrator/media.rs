@@ -42,6 +42,9 @@ impl Around {
     /// The solids around a point, m, at a time.
     #[inline(always)]
     pub(super) fn media(&mut self, scene: &Scene, point: Vec3, time: f32) -> Media {
+        if !scene.has_solids {
+            return Media::default();
+        }
         match self.0 {
             Some((known, media)) if known == (point, time) => media,
             _ => self.0.insert(((point, time), Media::around(scene, point, time))).1,
@@ -73,16 +76,17 @@ impl Media {
     }
 
     /// What is around, where it counts.
+    #[inline(always)]
     pub(super) fn interior<'a>(&self, scene: &'a Scene) -> Option<&'a Interior> {
+        if self.count == 0 {
+            return None;
+        }
         scene.materials[self.innermost(scene)? as usize].interior.as_ref()
     }
 
     /// What fills the space there, if anything does.
     #[inline(always)]
     pub(super) fn medium(&self, scene: &Scene) -> Option<Medium> {
-        if self.count == 0 {
-            return scene.medium;
-        }
         self.interior(scene).map(Interior::medium).or(scene.medium)
     }
 
@@ -92,7 +96,7 @@ impl Media {
         let (mut found, mut entered) = (Vec::new(), Self::default());
         let mut ray = Ray { time, ..Ray::new(point, SOMEWHERE.normalize()) };
         let mut hits = Vec::new();
-        for _ in 0..if scene.has_solids { MOST_AROUND } else { 0 } {
+        for _ in 0..MOST_AROUND {
             scene.world.closest_hits(&[ray], &Everything, &mut hits);
             let Some(hit) = hits.first().filter(|hit| hit.is_some()) else { break };
             let at = scene.interaction(&ray, hit);

@@ -14,14 +14,14 @@ use crate::scene::{Scene, StopsLight};
 pub(super) struct ShadowRays {
     rays: Vec<Ray>,
     awaited: Vec<Awaited>,
+    /// The solids that each starts in, if there are any.
+    media: Vec<Media>,
     occluded: Vec<bool>,
 }
 
 /// Light that reaches the eye if nothing is in the way.
 struct Awaited {
     gain: Gain,
-    /// The solids that its ray starts in.
-    media: Media,
     /// The recorder's number of it.
     number: u32,
 }
@@ -32,6 +32,7 @@ impl ShadowRays {
     pub(super) fn clear(&mut self) {
         self.rays.clear();
         self.awaited.clear();
+        self.media.clear();
     }
 
     /// Takes note of light that a ray asks for from within `media`, or adds it at once if nothing can stop it.
@@ -40,7 +41,7 @@ impl ShadowRays {
         &mut self,
         scene: &Scene,
         asked: &Asked,
-        media: Media,
+        media: &Media,
         samples: &mut [Sample],
         recorder: &mut impl Recorder,
     ) {
@@ -48,7 +49,10 @@ impl ShadowRays {
         match asked.ray {
             Some(ray) => {
                 self.rays.push(ray);
-                self.awaited.push(Awaited { gain: asked.gain, media, number });
+                self.awaited.push(Awaited { gain: asked.gain, number });
+                if scene.has_solids {
+                    self.media.push(*media);
+                }
             }
             None => add(scene, samples, recorder, asked.gain),
         }
@@ -65,15 +69,16 @@ impl ShadowRays {
         counts: &mut RayCounts,
         recorder: &mut impl Recorder,
     ) {
-        let Self { rays, awaited, occluded } = self;
+        let Self { rays, awaited, media, occluded } = self;
         counts.shadow += rays.len() as u64;
         scene.world.occluded(rays, &StopsLight(scene, repetition), occluded);
-        for ((awaited, ray), &occluded) in awaited.iter().zip(&*rays).zip(&*occluded) {
-            if occluded {
+        for (i, (awaited, ray)) in awaited.iter().zip(&*rays).enumerate() {
+            if occluded[i] {
                 recorder.answer(awaited.number, Rgb::ZERO);
                 continue;
             }
-            let passed = panes::tint(scene, ray, awaited.media, repetition);
+            let media = media.get(i).copied().unwrap_or_default();
+            let passed = panes::tint(scene, ray, media, repetition);
             recorder.answer(awaited.number, passed);
             let radiance = awaited.gain.radiance * passed;
             add(scene, samples, recorder, Gain { radiance, ..awaited.gain });

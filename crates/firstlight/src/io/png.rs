@@ -103,9 +103,14 @@ fn codes16(image: &Image, channels: usize, develop: Develop) -> Vec<u8> {
 /// Advanced Warfare*, SIGGRAPH 2014. All channels have the same one, so grey stays grey; the ends are left out, so what a
 /// step holds but for rounding stays what it is.
 fn threshold(x: usize, y: usize) -> f32 {
-    let place = (0.067_110_56 * x as f64 + 0.005_837_15 * y as f64).fract();
-    let noise = (52.982_918_9 * place).fract();
-    ((noise * 64.0).floor() as f32 + 0.5) / 64.0
+    let place = fraction(0.067_110_56 * x as f64 + 0.005_837_15 * y as f64);
+    let noise = fraction(52.982_918_9 * place);
+    (f32::from((noise * 64.0) as u8) + 0.5) / 64.0
+}
+
+/// What a number in 0..2³² has after its point. (`fract` is a call where the processor might be the oldest there is.)
+fn fraction(x: f64) -> f64 {
+    x - f64::from(x as u32)
 }
 
 /// The first `channels` codes of every pixel, of its place in the picture and itself; many pixels at the same time.

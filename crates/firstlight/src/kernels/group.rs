@@ -72,6 +72,8 @@ pub(super) struct Group {
     /// For triangles: shear along the two other axes, and the origin with these first.
     shear: [Row; 2],
     turned: [Row; 3],
+    /// The signs of the directions, per axis, as bits.
+    signs: [u32; 3],
     /// The largest coordinate of the origins.
     pub magnitude: f32,
 }
@@ -90,6 +92,7 @@ impl Group {
         one_way: false,
         shear: [Row::ZERO; 2],
         turned: [Row::ZERO; 3],
+        signs: [0; 3],
         magnitude: 0.0,
     };
 
@@ -105,6 +108,7 @@ impl Group {
         self.origin = [row(ox), row(oy), row(oz)];
         self.direction = [row(dx), row(dy), row(dz)];
         (self.t_min, self.t) = (row(t_min), row(t_max));
+        self.signs = [dx.signs(), dy.signs(), dz.signs()];
     }
 
     /// Prepares its rays for a tree with coordinates up to `reach`.
@@ -160,6 +164,13 @@ impl Group {
         let [x, y, z] = [0, 1, 2].map(f32::from_bits);
         let [_, _, number] = turned(along, [simd.splat(x), simd.splat(y), simd.splat(z)]);
         self.along = row(number);
+    }
+
+    /// The signs of the directions as bits, if all rays agree in them.
+    #[inline(always)]
+    pub(super) fn octant(&self) -> Option<u32> {
+        let [x, y, z] = self.signs;
+        (uniform(x) && uniform(y) && uniform(z)).then_some(x & 1 | y & 2 | z & 4)
     }
 
     /// Which rays have no answer yet.

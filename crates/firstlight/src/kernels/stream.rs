@@ -3,7 +3,7 @@
 //!
 //! Contract: as `traverse`, with the same bits. What one ray has to wait for (memory, the end of a long chain of
 //! operations) is filled with the steps of the others. For that nothing may branch on what a ray meets: its boxes are
-//! packed onto its stack by a table (`order`), and where it stands then decides which queue it is put into.
+//! packed onto its stack by a table (`order`), and who is where is kept in bits.
 
 use super::alone::Walk;
 use super::group::Group;
@@ -143,12 +143,7 @@ impl<S: Simd> Walker<S> {
 
     /// Meets what is not a node, one after the other, until it comes to a node or is done.
     #[inline(always)]
-    fn meet<O: Others, const ANY: bool>(
-        &mut self,
-        simd: S,
-        walk: &mut Walk<O>,
-        stack: &mut Stack,
-    ) {
+    fn meet<O: Others, const ANY: bool>(&mut self, simd: S, walk: &mut Walk<O>, stack: &mut Stack) {
         let number = self.ray as usize;
         let (ray, hit) = (&walk.rays[number], &mut walk.hits[number]);
         let search = Search { simd, ray, filter: walk.filter, flags: walk.flags };

@@ -27,17 +27,6 @@ const FEW: u32 = 3;
 /// any more in this walk: rays that start far apart, or at grazing angles, are too wide for them.
 const TOO_WIDE: i32 = 16;
 
-/// The signs of the rays' directions as bits, if they agree.
-#[inline(always)]
-fn octant_of(rays: &[Ray]) -> Option<u32> {
-    let first = rays[0].octant();
-    let mut differing = 0;
-    for ray in rays {
-        differing |= ray.octant() ^ first;
-    }
-    (differing == 0).then_some(first)
-}
-
 /// A box to be entered: child `slot` of `node`, met by `groups` not before `near`.
 #[derive(Clone, Copy)]
 struct Entry {
@@ -93,9 +82,11 @@ impl<S: Simd> Tile<S> {
         for g in 0..count {
             let lanes = LANES * g..walk.rays.len().min(LANES * (g + 1));
             let (rays, hits) = (&walk.rays[lanes.clone()], &walk.hits[lanes]);
-            let octant = octant_of(rays);
+            // Most that do not go together differ in the first and the last.
+            let apart = strays.is_some() && rays[0].octant() != rays[rays.len() - 1].octant();
+            let octant = if apart { None } else { self.load(g, rays) };
             if octant.is_some() || strays.is_none() {
-                self.load::<ANY>(g, rays, walk.tree.reach, known.then_some(hits));
+                self.prepare::<ANY>(g, walk.tree.reach, known.then_some(hits));
             }
             let group = &self.groups[g % GROUPS];
             self.octants[g % GROUPS] = octant.filter(|_| group.goes_one_way());
@@ -115,14 +106,21 @@ impl<S: Simd> Tile<S> {
         }
     }
 
-    /// Takes up the rays of a group, some of which may have hits already.
+    /// Takes up the rays of a group. Returns the signs of their directions as bits, if they agree.
     #[inline(always)]
-    fn load<const ANY: bool>(&mut self, g: usize, rays: &[Ray], reach: f32, known: Option<&[Hit]>) {
+    fn load(&mut self, g: usize, rays: &[Ray]) -> Option<u32> {
         let group = &mut self.groups[g % GROUPS];
         match rays.first_chunk() {
             Some(rays) => group.load(self.simd, rays.each_ref()),
             None => group.load_some(self.simd, rays),
         }
+        group.octant()
+    }
+
+    /// Prepares the rays of a group, some of which may have hits already.
+    #[inline(always)]
+    fn prepare<const ANY: bool>(&mut self, g: usize, reach: f32, known: Option<&[Hit]>) {
+        let group = &mut self.groups[g % GROUPS];
         group.prepare(self.simd, reach);
         if let Some(hits) = known {
             group.know::<ANY>(hits);

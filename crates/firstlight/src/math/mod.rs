@@ -20,6 +20,7 @@ pub(crate) fn unit_or_zero(v: DVec3) -> DVec3 {
 /// Two unit vectors that make a right-handed orthonormal frame with the unit vector `normal` as third axis.
 ///
 /// Duff et al., *Building an Orthonormal Basis, Revisited*, JCGT 6(1), 2017.
+#[inline(always)]
 pub(crate) fn tangents(normal: DVec3) -> (DVec3, DVec3) {
     let sign = 1.0_f64.copysign(normal.z);
     let a = -1.0 / (sign + normal.z);

@@ -87,7 +87,6 @@ impl Kernel for Pairs<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, _: S) {
         let Self { paths, number, pairs } = self;
-        pairs.clear();
         pairs.resize(paths.len(), Vec2::ZERO);
         let mut rest = pairs.as_mut_slice();
         for paths in paths.chunk_by(|a, b| a.sequence == b.sequence) {

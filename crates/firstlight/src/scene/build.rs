@@ -5,6 +5,7 @@ use super::description::{
     Alpha, CameraLightAmount, Light, LightDescription, Material, SceneDescription, Shape, Surface,
 };
 use super::lights::{LocalLights, area_lights, environment, mean_emission};
+use super::material::plain_surfaces;
 use super::{NearAmbient, Scene};
 use crate::bvh::{BuildQuality, MeshPart, Part, World};
 use crate::camera::Camera;
@@ -56,6 +57,7 @@ impl Scene {
             LocalLights::new(&lights, &round_lights, &area_lights, level, emission, &world);
         Self {
             is_lecture: description.is_lecture(),
+            plain: plain_surfaces(&world, &material_of, &description.materials),
             local_lights,
             area_lights,
             environment: sky.map(|sky| (environment(sky), sky.visible)),

@@ -214,8 +214,8 @@ fn dressed(part: &MeshPart, ray: &Ray, hit: &Hit, facing: Facing) -> SurfaceInte
     interaction
 }
 
-/// Finds the points that rays hit, as [`Scene::interaction`]; `None` for rays that hit nothing.
-pub(crate) struct Interactions<'a> {
+/// Looks at the points that a block of rays hit, at most [`BLOCK`]: all that takes arithmetic.
+pub(crate) struct LookAt<'a> {
     /// Whose surfaces they are.
     pub scene: &'a Scene,
     /// The rays.
@@ -223,74 +223,82 @@ pub(crate) struct Interactions<'a> {
     /// What they hit.
     pub hits: &'a [Hit],
     /// The points; what was there is replaced.
-    pub points: &'a mut Vec<Option<SurfaceInteraction>>,
+    pub points: &'a mut Points,
 }
 
-impl Kernel for Interactions<'_> {
+impl Kernel for LookAt<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Simd>(self, _: S) {
         let Self { scene, rays, hits, points } = self;
-        points.clear();
-        let mut block = Block::default();
-        for (rays, hits) in rays.chunks(BLOCK).zip(hits.chunks(BLOCK)) {
-            let mut parts = [None; BLOCK];
-            for (part, hit) in parts.iter_mut().zip(hits) {
-                *part = scene.still_mesh(hit);
-            }
-            block.gather(&parts, rays, hits);
-            block.find(&parts);
-            for (k, (ray, hit)) in rays.iter().zip(hits).enumerate() {
-                points.push(match parts[k] {
-                    Some(part) => Some(dressed(part, ray, hit, block.get(k))),
-                    None => hit.is_some().then(|| scene.interaction(ray, hit)),
-                });
+        let mut parts = [None; BLOCK];
+        for (part, hit) in parts.iter_mut().zip(hits) {
+            *part = scene.still_mesh(hit);
+        }
+        let Points { triangles, exact, rounded, facing } = points;
+        triangles.gather(&parts, rays, hits);
+        exact.find(triangles, rounded);
+        for (k, part) in parts.iter().enumerate() {
+            if let Some(part) = part.filter(|part| part.instanced) {
+                exact.set(k, exact.get(k, rounded).placed(part), rounded);
             }
         }
+        facing.find(triangles, exact, rounded);
     }
 }
 
-/// Points of triangles that a block of rays hit; rows of other rays mean nothing.
-struct Block {
+/// The points that a block of rays hit, as far as they lie on triangles that stand still; rows of other rays mean nothing.
+#[derive(Default)]
+pub(crate) struct Points {
+    triangles: Triangles,
+    exact: ExactPoints,
+    rounded: Columns<f32>,
+    facing: Facings,
+}
+
+impl Points {
+    /// The point that ray `k` hit, as [`Scene::interaction`]; `None` if it hit nothing.
+    #[inline(always)]
+    pub(crate) fn get(
+        &self,
+        k: usize,
+        scene: &Scene,
+        ray: &Ray,
+        hit: &Hit,
+    ) -> Option<SurfaceInteraction> {
+        match scene.still_mesh(hit) {
+            Some(part) => Some(dressed(part, ray, hit, self.facing.get(k))),
+            None => hit.is_some().then(|| scene.interaction(ray, hit)),
+        }
+    }
+
+    /// The same of a [flat](super::Plain::flat) surface: its position, where rays leave it, and its normal.
+    #[inline(always)]
+    pub(crate) fn flat(&self, k: usize) -> ([Vec3; 2], Vec3) {
+        let Facing { position, normal, clearance, .. } = self.facing.get(k);
+        ([position, position + clearance * normal], normal)
+    }
+}
+
+/// Triangles that a block of rays hit.
+struct Triangles {
     corners: [Columns<f32>; 3],
     weights: [[f32; BLOCK]; 2],
     along: Columns<f32>,
     error: [f64; BLOCK],
-    position: Columns<f64>,
-    rounded: Columns<f32>,
-    across: Columns<f64>,
-    facing: Facings,
 }
 
-/// A block of [`Facing`].
-struct Facings {
-    position: Columns<f32>,
-    normal: Columns<f32>,
-    clearance: [f32; BLOCK],
-    clockwise: [bool; BLOCK],
-}
-
-impl Default for Block {
+impl Default for Triangles {
     fn default() -> Self {
-        let columns = Columns::<f32>::default;
-        let [clearance, u, v] = [[0.0; BLOCK]; 3];
-        let (position, normal, clockwise) = (columns(), columns(), [false; BLOCK]);
-        Self {
-            corners: [columns(), columns(), columns()],
-            weights: [u, v],
-            along: columns(),
-            error: [0.0; BLOCK],
-            position: Columns::default(),
-            rounded: columns(),
-            across: Columns::default(),
-            facing: Facings { position, normal, clearance, clockwise },
-        }
+        let corners = std::array::from_fn(|_| Columns::default());
+        let (weights, error) = ([[0.0; BLOCK]; 2], [0.0; BLOCK]);
+        Self { corners, weights, along: Columns::default(), error }
     }
 }
 
-impl Block {
-    /// Takes up the triangles.
+impl Triangles {
+    /// Takes them up.
     #[inline(always)]
     fn gather(&mut self, parts: &[Option<&MeshPart>], rays: &[Ray], hits: &[Hit]) {
         for (k, ((ray, hit), part)) in rays.iter().zip(hits).zip(parts).enumerate() {
@@ -304,48 +312,72 @@ impl Block {
             self.error[k] = part.error();
         }
     }
+}
 
-    /// Finds the points.
+/// A block of [`OnTriangle`], but for what was rounded.
+#[derive(Default)]
+struct ExactPoints {
+    position: Columns<f64>,
+    across: Columns<f64>,
+}
+
+impl ExactPoints {
     #[inline(always)]
-    fn find(&mut self, parts: &[Option<&MeshPart>; BLOCK]) {
+    fn find(&mut self, triangles: &Triangles, rounded: &mut Columns<f32>) {
+        let Triangles { corners: [a, b, c], weights: [u, v], .. } = triangles;
         for k in 0..BLOCK {
-            let [a, b, c] = &self.corners;
-            let corners = [a.get(k), b.get(k), c.get(k)];
-            self.set(k, OnTriangle::new(corners, self.weights[0][k], self.weights[1][k]));
-        }
-        for (k, part) in parts.iter().enumerate() {
-            if let Some(part) = part.filter(|part| part.instanced) {
-                self.set(k, self.on_triangle(k).placed(part));
-            }
-        }
-        for k in 0..BLOCK {
-            let facing = Facing::new(self.on_triangle(k), self.along.get(k), self.error[k]);
-            self.facing.position.set(k, facing.position);
-            self.facing.normal.set(k, facing.normal);
-            self.facing.clearance[k] = facing.clearance;
-            self.facing.clockwise[k] = facing.clockwise;
+            let point = OnTriangle::new([a.get(k), b.get(k), c.get(k)], u[k], v[k]);
+            self.set(k, point, rounded);
         }
     }
 
     #[inline(always)]
-    fn on_triangle(&self, k: usize) -> OnTriangle {
-        let (position, rounded) = (self.position.get(k), self.rounded.get(k));
-        OnTriangle { position, rounded, across: self.across.get(k) }
+    fn get(&self, k: usize, rounded: &Columns<f32>) -> OnTriangle {
+        let (position, across) = (self.position.get(k), self.across.get(k));
+        OnTriangle { position, rounded: rounded.get(k), across }
     }
 
     #[inline(always)]
-    fn set(&mut self, k: usize, point: OnTriangle) {
+    fn set(&mut self, k: usize, point: OnTriangle, rounded: &mut Columns<f32>) {
         self.position.set(k, point.position);
-        self.rounded.set(k, point.rounded);
         self.across.set(k, point.across);
+        rounded.set(k, point.rounded);
+    }
+}
+
+/// A block of [`Facing`].
+struct Facings {
+    position: Columns<f32>,
+    normal: Columns<f32>,
+    clearance: [f32; BLOCK],
+    clockwise: [bool; BLOCK],
+}
+
+impl Default for Facings {
+    fn default() -> Self {
+        let [position, normal] = [Columns::default(), Columns::default()];
+        Self { position, normal, clearance: [0.0; BLOCK], clockwise: [false; BLOCK] }
+    }
+}
+
+impl Facings {
+    #[inline(always)]
+    fn find(&mut self, triangles: &Triangles, exact: &ExactPoints, rounded: &Columns<f32>) {
+        for k in 0..BLOCK {
+            let (point, along) = (exact.get(k, rounded), triangles.along.get(k));
+            let facing = Facing::new(point, along, triangles.error[k]);
+            self.position.set(k, facing.position);
+            self.normal.set(k, facing.normal);
+            self.clearance[k] = facing.clearance;
+            self.clockwise[k] = facing.clockwise;
+        }
     }
 
-    /// What was found for ray `k`.
     #[inline(always)]
     fn get(&self, k: usize) -> Facing {
-        let Facings { position, normal, clearance, clockwise } = &self.facing;
-        let (position, normal) = (position.get(k), normal.get(k));
-        Facing { position, normal, clearance: clearance[k], clockwise: clockwise[k] }
+        let (position, normal) = (self.position.get(k), self.normal.get(k));
+        let (clearance, clockwise) = (self.clearance[k], self.clockwise[k]);
+        Facing { position, normal, clearance, clockwise }
     }
 }
 
@@ -481,22 +513,50 @@ mod tests {
                 Ray { time, ..Ray::new(from, (to - from).normalize()) }
             })
             .collect();
-        let (mut hits, mut points) = (Vec::new(), Vec::new());
+        let (mut hits, mut points) = (Vec::new(), Points::default());
         scene.world.closest_hits(&rays, &Meets(&scene, 0), &mut hits);
         let instanced = |hit: &&Hit| scene.still_mesh(hit).is_some_and(|part| part.instanced);
         assert!(hits.iter().filter(instanced).count() > 100);
         for level in Level::all() {
-            level.run(Interactions {
+            for (rays, hits) in rays.chunks(BLOCK).zip(hits.chunks(BLOCK)) {
+                level.run(LookAt { scene: &scene, rays, hits, points: &mut points });
+                for (k, (ray, hit)) in rays.iter().zip(hits).enumerate() {
+                    let point = points.get(k, &scene, ray, hit);
+                    let alone = hit.is_some().then(|| scene.interaction(ray, hit));
+                    assert_eq!(format!("{point:?}"), format!("{alone:?}"));
+                }
+            }
+        }
+    }
+
+    /// Of those that are flat, the little that is asked of them is the same.
+    #[test]
+    fn flat_points_are_those_that_each_ray_finds_alone() {
+        let (scene, mut random) = (stage(), Random::new(6));
+        let (mut hits, mut points, mut flat) = (Vec::new(), Points::default(), 0);
+        for _ in 0..50 {
+            let rays: Vec<_> = (0..BLOCK)
+                .map(|_| {
+                    let [x, y, z] = [0; 3].map(|_| random.unit() as f32 - 0.5);
+                    Ray::new(Vec3::new(-2.5, 0.0, 0.0), Vec3::new(x, y, z).normalize())
+                })
+                .collect();
+            scene.world.closest_hits(&rays, &Meets(&scene, 0), &mut hits);
+            scene.level().run(LookAt {
                 scene: &scene,
                 rays: &rays,
                 hits: &hits,
                 points: &mut points,
             });
-            assert_eq!(points.len(), rays.len());
-            for ((ray, hit), point) in rays.iter().zip(&hits).zip(&points) {
-                let alone = hit.is_some().then(|| scene.interaction(ray, hit));
-                assert_eq!(format!("{point:?}"), format!("{alone:?}"));
+            for (k, (ray, hit)) in rays.iter().zip(&hits).enumerate() {
+                if scene.plain(hit).is_some_and(|plain| plain.flat) {
+                    let at = scene.interaction(ray, hit);
+                    let expected = ([at.position, at.ray_origin()], at.shading_normal);
+                    assert_eq!(points.flat(k), expected);
+                    flat += 1;
+                }
             }
         }
+        assert!(flat > 1000, "{flat}");
     }
 }

@@ -218,23 +218,23 @@ impl Scene {
     /// partly transparent.
     #[inline(always)]
     pub(crate) fn emitted_by(&self, light: &AreaLight, sample: ShapeSample, time: f32) -> Rgb {
+        let even = self.even_emission(light);
+        even.unwrap_or_else(|| self.emitted_there(light, sample, time))
+    }
+
+    /// The same, if it is alike from everywhere and to everywhere.
+    #[inline(always)]
+    pub(crate) fn even_emission(&self, light: &AreaLight) -> Option<Rgb> {
         let material = &self.materials[self.material_of[light.surface as usize] as usize];
         let constant = material.emission.is_constant() && material.alpha == Alpha::Opaque;
-        if constant && material.coat().is_none() {
-            return Vec3::from_slice(&material.emission.factor);
-        }
-        self.emitted_there(material, light, sample, time)
+        let even = constant && material.coat().is_none();
+        even.then(|| Vec3::from_slice(&material.emission.factor))
     }
 
     /// The same where it is not alike everywhere.
     #[inline(never)]
-    fn emitted_there(
-        &self,
-        material: &Material,
-        light: &AreaLight,
-        sample: ShapeSample,
-        time: f32,
-    ) -> Rgb {
+    fn emitted_there(&self, light: &AreaLight, sample: ShapeSample, time: f32) -> Rgb {
+        let material = &self.materials[self.material_of[light.surface as usize] as usize];
         let surface = self.at_sample(light, &sample, time);
         let alpha = || self.alpha(material, &surface);
         let there = match material.alpha {

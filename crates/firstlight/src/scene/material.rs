@@ -5,7 +5,9 @@ use super::description::{
     BumpAmount, BumpMap, Facets, Material, NormalMap, OcclusionMap, Pattern, Principled, Scalar,
     Scattering, Texture,
 };
+use crate::bvh::{Part, World};
 use crate::color::Rgb;
+use crate::geometry::Hit;
 use crate::shading::bsdf::{
     Bsdf, Frame, Fresnel, Kind, Layers, Lobe, PrincipledPoint, VARNISH, Wall, above, principled,
 };
@@ -20,6 +22,41 @@ pub(crate) struct Boundary {
     pub eta: f32,
     /// Whether the eye is inside of the solid.
     pub inside: bool,
+}
+
+/// A surface that is matte, smooth and of one colour everywhere, and that neither emits nor encloses anything.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Plain {
+    /// The fraction of light that it reflects, 0..1.
+    pub reflectance: Rgb,
+    /// Whether it is of flat triangles that stand still.
+    pub flat: bool,
+}
+
+/// Those that are plain.
+pub(super) fn plain_surfaces(
+    world: &World,
+    material_of: &[u32],
+    materials: &[Material],
+) -> Vec<Option<Plain>> {
+    let plain = |(surface, &material): (u32, &u32)| {
+        let reflectance = plain_reflectance(&materials[material as usize])?;
+        let flat = match &world.parts()[surface as usize] {
+            Part::Mesh(part) => part.mesh.normals.is_empty() && world.motion(surface).is_none(),
+            Part::Analytic(..) => false,
+        };
+        Some(Plain { reflectance, flat })
+    };
+    (0..).zip(material_of).map(plain).collect()
+}
+
+/// The reflectance of a material if it makes surfaces plain.
+fn plain_reflectance(material: &Material) -> Option<Rgb> {
+    let Material { reflectance, ambient_reflectance, occlusion, interior, .. } = material;
+    let no_more = ambient_reflectance.is_none() && occlusion.is_none() && interior.is_none();
+    let smooth = material.is_matte() && !material.has_relief();
+    let plain = smooth && no_more && reflectance.is_constant() && !material.emits();
+    plain.then(|| Vec3::from_slice(&reflectance.factor))
 }
 
 /// The facets of a material, if they are not round.
@@ -53,6 +90,12 @@ struct Maker<'a> {
 }
 
 impl Scene {
+    /// What was hit, if it is plain.
+    #[inline(always)]
+    pub(crate) fn plain(&self, hit: &Hit) -> Option<&Plain> {
+        self.plain.get(hit.surface as usize)?.as_ref()
+    }
+
     /// Adds the lobes of a material at a point to `lobes`, for light that leaves along the unit vector `outgoing`;
     /// returns the frame that they are in, and the fraction of light that they scatter in all.
     ///

@@ -16,9 +16,9 @@ pub(crate) use build::light_middle;
 pub(crate) use filter::{Everything, Meets, OnlyPanes, SeenByCamera, Solid, StopsLight};
 pub(crate) use framing::middle;
 pub use framing::{bounds, frame};
-pub(crate) use interaction::Interactions;
+pub(crate) use interaction::{LookAt, Points};
 pub(crate) use lights::{LocalLight, LocalLights};
-pub(crate) use material::Boundary;
+pub(crate) use material::{Boundary, Plain};
 pub use studio::Studio;
 
 use crate::bvh::World;
@@ -39,6 +39,8 @@ pub struct Scene {
     /// Material of each surface.
     pub(crate) material_of: Vec<u32>,
     pub(crate) materials: Vec<Material>,
+    /// What there is to know of each surface that is plain.
+    plain: Vec<Option<Plain>>,
     /// Whether any of them lets shadow rays pass.
     pub(crate) has_panes: bool,
     /// Whether chance decides if any of them is there.

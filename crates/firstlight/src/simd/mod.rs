@@ -82,6 +82,8 @@ pub(crate) trait Lanes:
     fn lt(self, other: Self) -> Self::Mask;
     /// `self != other`; true for NaN.
     fn ne(self, other: Self) -> Self::Mask;
+    /// The sign of lane `i` as bit `i`.
+    fn signs(self) -> u32;
     /// Lane `i` becomes lane `indices[i]`, all below eight.
     fn permute(self, indices: &[u8; LANES]) -> Self;
     /// The smallest lane.
@@ -117,7 +119,7 @@ mod tests {
     const PLACES: [u8; LANES] = [7, 0, 3, 3, 1, 6, 2, 5];
 
     impl Kernel for Everything {
-        type Output = ([[f32; LANES]; 12], [u32; 5], [f32; 2], [[f32; LANES]; LANES], [u32; LANES]);
+        type Output = ([[f32; LANES]; 12], [u32; 6], [f32; 2], [[f32; LANES]; LANES], [u32; LANES]);
 
         #[inline(always)]
         fn run<S: Simd>(self, simd: S) -> Self::Output {
@@ -143,7 +145,7 @@ mod tests {
             let (le, lt, ne) = (a.le(b), a.lt(b), a.ne(b));
             (
                 numbers.map(Lanes::to_array),
-                [le.bits(), ne.bits(), (le & ne).bits(), (le | ne).bits(), lt.bits()],
+                [le.bits(), ne.bits(), (le & ne).bits(), (le | ne).bits(), lt.bits(), a.signs()],
                 [a.smallest(), a.largest()],
                 simd.transpose([a, b, a + b, a - b, a, b, b, a]).map(Lanes::to_array),
                 simd.permute_words(&self.0.map(f32::to_bits), &PLACES),
@@ -176,7 +178,7 @@ mod tests {
                 ];
                 assert_eq!(columns[i], [x, y, x + y, x - y, x, y, y, x], "{level:?} column {i}");
                 assert_eq!(numbers.map(|n| n[i]), expected, "{level:?} lane {i}");
-                let bits = [x <= y, x != y, x < y, x <= y || x > y, x < y];
+                let bits = [x <= y, x != y, x < y, x <= y || x > y, x < y, x < 0.0];
                 assert_eq!(masks.map(|m| m >> i & 1 == 1), bits, "{level:?} lane {i}");
             }
             assert_eq!(ends, [-2.5, 1e30], "{level:?}");

@@ -158,6 +158,11 @@ impl Lanes for Array {
     }
 
     #[inline(always)]
+    fn signs(self) -> u32 {
+        self.test(self, |a, _| a.is_sign_negative()).0
+    }
+
+    #[inline(always)]
     fn permute(self, indices: &[u8; LANES]) -> Self {
         Self(indices.map(|i| self.0[usize::from(i) % LANES]))
     }

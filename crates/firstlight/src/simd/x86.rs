@@ -210,6 +210,11 @@ impl Lanes for F32x8 {
     }
 
     #[inline(always)]
+    fn signs(self) -> u32 {
+        Mask8(self.0).bits()
+    }
+
+    #[inline(always)]
     fn permute(self, indices: &[u8; LANES]) -> Self {
         // SAFETY: values of this type exist only where AVX2 does; the array has the eight bytes that are read.
         Self(unsafe {

@@ -4,7 +4,9 @@
 //! Lines: a few rays around each one tell whether it is near an edge (Choudhury & Parker, *Ray Tracing NPR-Style Feature
 //! Lines*, 2009).
 
-use super::{Answer, Path, Scratch, Vertex, Walk};
+use super::lights::Answer;
+use super::walk::Walk;
+use super::{Path, Scratch};
 use crate::color::Rgb;
 use crate::geometry::{Hit, Ray};
 use crate::integrator::Source;
@@ -13,8 +15,9 @@ use crate::integrator::record::{Recorder, add};
 use crate::sampler::PathPoints;
 use crate::scene::description::Section;
 use crate::scene::{Meets, Scene, SeenByCamera};
-use crate::shading::bsdf::{Frame, Kind, Lobe};
+use crate::shading::bsdf::Matte;
 use glam::{DVec3, Vec2, Vec3, Vec4Swizzles};
+use std::f32::consts::PI;
 
 /// The samples of a pixel look for the sky in 2 to the power of this many directions together: enough for no grain to show.
 const LOOKS_BITS: u32 = 7;
@@ -100,8 +103,7 @@ impl<'a> Clarity<'a> {
         points: &[PathPoints],
         scratch: &mut Scratch,
     ) {
-        self.path.stand(position, normal, points, scratch);
-        scratch.lobes[0].weight /= 1.0 - ALWAYS;
+        self.path.stand(position, normal, PI / (1.0 - ALWAYS), points, scratch);
         self.look_for_sky(points, scratch, &mut ());
     }
 
@@ -192,8 +194,9 @@ impl<'a> Clarity<'a> {
     /// Adds what needs no sky, and makes vertices of the surfaces that were met, with what they reflect of it.
     fn shade(&self, inks: &[f32], scratch: &mut Scratch, recorder: &mut impl Recorder) {
         let Path { scene, transparent, .. } = self.path;
-        let Scratch { rays, walks, hits, vertices, lobes, samples, on_surface, .. } = scratch;
-        for (((ray, walk), hit), ink) in rays.iter().zip(&*walks).zip(&*hits).zip(inks) {
+        let Scratch { rays, walks, hits, vertices, samples, on_surface, .. } = scratch;
+        let rays = (0..).zip(&*rays);
+        for ((((number, ray), walk), hit), ink) in rays.zip(&*walks).zip(&*hits).zip(inks) {
             recorder.follow(&walk.along(0, ray, hit));
             let paper = 1.0 - ink;
             add(scene, samples, recorder, walk.gain(0, Source::Look, Rgb::splat(ink * INK)));
@@ -225,9 +228,9 @@ impl<'a> Clarity<'a> {
             let facing = at.shading_normal.dot(-ray.direction).clamp(0.0, 1.0);
             let shown = paper * (EDGE_ON + (1.0 - EDGE_ON) * facing) * color;
             add(scene, samples, recorder, walk.reflected(0, Source::Look, ALWAYS * shown));
-            let (frame, lobe) = (Frame::around(at.shading_normal), lobes.len() as u32);
-            lobes.push(Lobe::new(Kind::Lambert, scene.openness(material, &at) * shown));
-            vertices.push(Vertex::new(*walk, ray, &at, frame, lobe..lobe + 1));
+            let reflectance = scene.openness(material, &at) * shown;
+            let matte = Matte { normal: at.shading_normal, reflectance };
+            vertices.push_matte(number, [at.position, at.ray_origin()], matte);
         }
     }
 
@@ -252,8 +255,10 @@ impl<'a> Clarity<'a> {
         for look in 0..looks {
             parts.clear();
             parts.extend(points.iter().map(|points| points.part(look, bits)));
-            self.path.ask(0, &parts, [pair], scratch, recorder, |vertex, lobes, [u]| {
-                let answer = vertex.light_from_sky(lobes, Source::Look, self.distance, 0.0, u)?;
+            let Scratch { draws, vertices, walks, .. } = &mut *scratch;
+            draws.begin(&parts, vertices, walks);
+            self.path.ask(0, [pair], scratch, recorder, |vertex, [u]| {
+                let answer = vertex.light_from_sky(Source::Look, self.distance, 0.0, u)?;
                 let ray = answer.ray.map(|ray| self.kept(&ray));
                 Some(Answer { ray, irradiance: share, ..answer })
             });

@@ -1,7 +1,7 @@
 //! Ambient occlusion: how much of a sky of radiance 1 a white surface would see, if nothing further away than a distance
 //! stood in between (Zhukov, Iones, Kronin, *An Ambient Light Illumination Model*, 1998).
 
-use super::{Path, Scratch, Vertex};
+use super::{Path, Scratch};
 use crate::color::Rgb;
 use crate::geometry::Ray;
 use crate::integrator::Source;
@@ -9,8 +9,9 @@ use crate::integrator::dimensions::Bounce;
 use crate::integrator::record::{Recorder, add};
 use crate::sampler::PathPoints;
 use crate::scene::Scene;
-use crate::shading::bsdf::{Frame, Kind, Lobe};
+use crate::shading::bsdf::Matte;
 use glam::{DVec3, Vec3};
+use std::f32::consts::PI;
 
 /// Looks for the sky.
 pub(crate) struct Occlusion<'a> {
@@ -49,7 +50,7 @@ impl<'a> Occlusion<'a> {
         points: &[PathPoints],
         scratch: &mut Scratch,
     ) {
-        self.path.stand(position, normal, points, scratch);
+        self.path.stand(position, normal, PI, points, scratch);
         self.ask_the_sky(points, scratch, &mut ());
     }
 
@@ -57,15 +58,14 @@ impl<'a> Occlusion<'a> {
     #[inline(always)]
     fn arrive(&self, scratch: &mut Scratch, recorder: &mut impl Recorder) {
         let Path { scene, transparent, .. } = self.path;
-        let Scratch { rays, walks, hits, vertices, lobes, samples, on_surface, .. } = scratch;
-        lobes.push(Lobe::new(Kind::Lambert, Rgb::ONE));
-        for ((ray, walk), hit) in rays.iter().zip(&*walks).zip(&*hits) {
+        let Scratch { rays, walks, hits, vertices, samples, on_surface, .. } = scratch;
+        for (((number, ray), walk), hit) in (0..).zip(&*rays).zip(&*walks).zip(&*hits) {
             recorder.follow(&walk.along(0, ray, hit));
             if hit.is_some() {
                 on_surface.push(walk.sample);
                 let at = scene.interaction(ray, hit);
-                let frame = Frame::around(at.shading_normal);
-                vertices.push(Vertex::new(*walk, ray, &at, frame, 0..1));
+                let matte = Matte { normal: at.shading_normal, reflectance: Rgb::ONE };
+                vertices.push_matte(number, [at.position, at.ray_origin()], matte);
             } else if transparent {
                 samples[walk.sample as usize].alpha = 0.0;
             } else {
@@ -82,8 +82,10 @@ impl<'a> Occlusion<'a> {
         recorder: &mut impl Recorder,
     ) {
         let pair = Bounce::new(0).direction();
-        self.path.ask(0, points, [pair], scratch, recorder, |vertex, lobes, [u]| {
-            vertex.light_from_sky(lobes, Source::Environment, self.distance, 0.0, u)
+        let Scratch { draws, vertices, walks, .. } = &mut *scratch;
+        draws.begin(points, vertices, walks);
+        self.path.ask(0, [pair], scratch, recorder, |vertex, [u]| {
+            vertex.light_from_sky(Source::Environment, self.distance, 0.0, u)
         });
     }
 }

@@ -1,12 +1,18 @@
 //! Lights found by asking them, by meeting them, and by both.
 
-use super::{Path, Scratch, Techniques};
+use super::lights::{AimAll, Aims};
+use super::{Onward, Path, PickAll, Scratch, Techniques, Vertices, Walk};
 use crate::color::Rgb;
-use crate::geometry::Ray;
+use crate::geometry::{Cone, Ray};
+use crate::math::BLOCK;
 use crate::sampler::Sampler;
 use crate::scene::Scene;
 use crate::scene::description::*;
+use crate::shading::bsdf::Matte;
+use crate::simd::Level;
+use crate::testing::Random;
 use crate::verify::scenes::*;
+use glam::{Vec2, Vec3};
 
 const BOTH: Techniques = Techniques { lights: 1.0, bsdf: 1.0 };
 const LIGHTS: Techniques = Techniques { lights: 1.0, bsdf: 0.0 };
@@ -123,4 +129,67 @@ fn both_ways_to_find_lights_agree() {
         }
     }
     assert!(found > 0, "an error of a thousandth is not found");
+}
+
+/// Matte vertices around the middle of a scene, each of a walk of its own, and two numbers in 0..1 for each.
+fn matte_vertices(count: u32) -> (Vec<Walk>, Vertices, Vec<Vec2>) {
+    let (mut random, mut vertices) = (Random::new(4), Vertices::default());
+    let mut numbers = |scale: f32| Vec3::from_array([0; 3].map(|_| scale * random.unit() as f32));
+    for number in 0..count {
+        let position = numbers(4.0) - 2.0;
+        let normal = (numbers(2.0) - 1.0).normalize();
+        let matte = Matte { normal, reflectance: numbers(1.0) };
+        vertices.push_matte(number, [position, position + 1e-6 * normal], matte);
+    }
+    let pairs = (0..count).map(|_| numbers(1.0).truncate()).collect();
+    ((0..count).map(|sample| Walk::from_eye(sample, 0.0)).collect(), vertices, pairs)
+}
+
+#[test]
+fn matte_vertices_pick_in_blocks_what_each_picks_alone() {
+    let (walks, vertices, pairs) = matte_vertices(1000);
+    let mut onward = Onward::default();
+    for level in Level::all() {
+        for (number, (block, numbers)) in
+            vertices.blocks().iter().zip(pairs.chunks(BLOCK)).enumerate()
+        {
+            level.run(PickAll { block, numbers, onward: &mut onward });
+            for (k, &u) in numbers.iter().enumerate() {
+                let alone = vertices.get(number * BLOCK + k, &walks).sample(0.5, u);
+                let alone = alone.expect("something is scattered everywhere");
+                assert_eq!((onward.incoming.get(k), onward.pdf[k]), (alone.incoming, alone.pdf));
+                assert_eq!(onward.part[k], Cone::part(alone.pdf));
+            }
+        }
+    }
+}
+
+/// From near and from afar, before and behind.
+#[test]
+fn matte_vertices_aim_in_blocks_at_what_each_aims_at_alone() {
+    let (walks, vertices, pairs) = matte_vertices(1000);
+    let mut found = 0;
+    for shape in [ball(v(0.1, 0.2, 0.3), 0.4), panel(v(0.0, 0.0, 0.5), 0.4, 0.3)] {
+        let mut scene = scene_for_paths(0.5);
+        add_with(&mut scene, shape, 1);
+        let scene = Scene::build(&scene);
+        let path = Path::new(&scene, false, None);
+        let (light, mut aims) = (scene.area_lights.get(0), Aims::default());
+        let emitted = scene.even_emission(light).expect("it is alike everywhere");
+        for level in Level::all() {
+            let blocks = vertices.blocks().iter().zip(pairs.chunks(BLOCK));
+            for (number, (block, places)) in blocks.enumerate() {
+                let techniques = path.techniques;
+                level.run(AimAll { techniques, light, block, places, aims: &mut aims });
+                for (k, &place) in places.iter().enumerate() {
+                    let vertex = vertices.get(number * BLOCK + k, &walks);
+                    let alone = path.light_from_area(&vertex, light, 1.0, place);
+                    let together = aims.answer(k, light, vertex.start, emitted);
+                    assert_eq!(together, alone, "{number} {k}");
+                    found += u32::from(together.is_some());
+                }
+            }
+        }
+    }
+    assert!(found > 500, "{found}");
 }

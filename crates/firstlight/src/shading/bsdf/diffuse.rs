@@ -1,5 +1,6 @@
 //! Light that is scattered in a rough, pale ground.
 
+use super::Frame;
 use crate::color::Rgb;
 use crate::math::concentric;
 use glam::{Vec2, Vec3};
@@ -11,6 +12,31 @@ use std::f32::consts::{FRAC_1_PI, PI, TAU};
 pub(crate) fn cosine_weighted(u: Vec2) -> Vec3 {
     let radius = (2.0 * u - 1.0).abs().max_element();
     concentric(u).extend(((1.0 - radius) * (1.0 + radius)).sqrt())
+}
+
+/// A matte surface and nothing else, in the world: the lecture's k_d = R_d / π. Without a branch or a call, so that loops over
+/// many of them work on several at a time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Matte {
+    /// Unit normal on the side of the eye.
+    pub normal: Vec3,
+    /// The fraction of light that it reflects, 0..1.
+    pub reflectance: Rgb,
+}
+
+impl Matte {
+    /// BSDF × cosine of `incoming`, sr⁻¹, and the density with which [`Matte::sample`] picks it, sr⁻¹.
+    #[inline(always)]
+    pub(crate) fn eval(&self, incoming: Vec3) -> (Rgb, f32) {
+        let density = incoming.dot(self.normal).max(0.0) * FRAC_1_PI;
+        (self.reflectance * density, density)
+    }
+
+    /// A direction in proportion to its cosine, and its density, sr⁻¹. What comes from there counts as much as the reflectance.
+    #[inline(always)]
+    pub(crate) fn sample(&self, u: Vec2) -> (Vec3, f32) {
+        Frame::around(self.normal).cosine_weighted(u)
+    }
 }
 
 /// The energy-preserving Oren–Nayar model: a matte surface of many small matte facets.

@@ -15,6 +15,7 @@ mod sheen;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use diffuse::Matte;
 pub(crate) use fresnel::{Fresnel, Gloss, dielectric};
 pub(crate) use ggx::{Ggx, mirrored, refracted};
 pub(crate) use glass::Glass;
@@ -122,6 +123,7 @@ impl Relief {
 
 impl Frame {
     /// With any tangent.
+    #[inline(always)]
     pub(crate) fn around(normal: Vec3) -> Self {
         Self { tangent: tangents(normal.as_dvec3()).0.as_vec3(), normal, relief: None }
     }
@@ -139,6 +141,11 @@ impl Frame {
         let cos = self.normal.dot(ground).clamp(0.1, 1.0);
         let alpha2 = 0.125 * (1.0 - cos * cos) / (cos * cos);
         Self { relief: Some(Relief { ground, alpha2 }), ..self }
+    }
+
+    /// Whether its normal is the surface's own.
+    pub(crate) fn is_upright(&self) -> bool {
+        self.relief.is_none()
     }
 
     /// The fraction of light from the world's direction `incoming` that bends of the normal leave.
@@ -159,6 +166,13 @@ impl Frame {
         self.normal
     }
 
+    /// A direction of the world in proportion to its cosine, and its density, sr⁻¹.
+    #[inline(always)]
+    fn cosine_weighted(self, u: Vec2) -> (Vec3, f32) {
+        let local = cosine_weighted(u);
+        (self.to_world(local), local.z * FRAC_1_PI)
+    }
+
     /// From the world into the frame.
     pub(crate) fn to_local(self, v: Vec3) -> Vec3 {
         let bitangent = self.normal.cross(self.tangent);
@@ -166,6 +180,7 @@ impl Frame {
     }
 
     /// From the frame into the world.
+    #[inline(always)]
     pub(crate) fn to_world(self, v: Vec3) -> Vec3 {
         v.x * self.tangent + v.y * self.normal.cross(self.tangent) + v.z * self.normal
     }
@@ -197,14 +212,24 @@ pub(crate) struct BsdfSample {
     pub straight: bool,
 }
 
+impl BsdfSample {
+    /// What a matte surface that reflects so much picks, see [`Matte::sample`].
+    #[inline(always)]
+    pub(crate) fn of_matte(reflectance: Rgb, (incoming, pdf): (Vec3, f32)) -> Option<Self> {
+        let sample = Self { incoming, weight: reflectance, pdf, through: false, straight: false };
+        (pdf > 0.0).then_some(sample)
+    }
+}
+
 impl Bsdf<'_> {
     /// BSDF × |cosine of `incoming`|, sr⁻¹, and the density with which [`Bsdf::sample`] picks it, sr⁻¹; both without
     /// the sharp lobes.
     #[inline(always)]
     pub(crate) fn eval(&self, incoming: Vec3) -> (Rgb, f32) {
         if let [Lobe { kind: Kind::Lambert, weight, share, .. }] = *self.lobes {
-            let density = incoming.dot(self.frame.normal).max(0.0) * FRAC_1_PI;
-            return (weight * density * self.frame.visible(incoming), share * density);
+            let matte = Matte { normal: self.frame.normal, reflectance: weight };
+            let (value, density) = matte.eval(incoming);
+            return (value * self.frame.visible(incoming), share * density);
         }
         let local = self.frame.to_local(incoming);
         let (value, pdf) = self.eval_local(self.local_outgoing(), local);
@@ -227,11 +252,9 @@ impl Bsdf<'_> {
     #[inline(always)]
     pub(crate) fn sample(&self, choice: f32, u: Vec2) -> Option<BsdfSample> {
         if let [Lobe { kind: Kind::Lambert, weight, .. }] = *self.lobes {
-            let local = cosine_weighted(u);
-            let (incoming, pdf) = (self.frame.to_world(local), local.z * FRAC_1_PI);
-            let weight = weight * self.frame.visible(incoming);
-            let sample = BsdfSample { incoming, weight, pdf, through: false, straight: false };
-            return (pdf > 0.0).then_some(sample);
+            let (incoming, pdf) = self.frame.cosine_weighted(u);
+            let visible = self.frame.visible(incoming);
+            return BsdfSample::of_matte(weight * visible, (incoming, pdf));
         }
         let (lobe, choice) = self.pick(choice)?;
         let outgoing = self.local_outgoing();

@@ -8,7 +8,6 @@ use crate::geometry::{Analytic, Piece, Ray};
 use crate::math::{BLOCK, Columns};
 use crate::scene::description::Motion;
 use crate::shading::interaction::clearance;
-use crate::simd::{Kernel, Simd};
 use glam::{DAffine3, DVec2, DVec3, Vec2, Vec3};
 
 /// One part of a surface that emits.
@@ -51,6 +50,21 @@ impl AreaLight {
         self.shining(sample, from, moved)
     }
 
+    /// What the first `count` points of a block see of it, as [`AreaLight::sample`] says of one, if it stands still.
+    #[inline(always)]
+    pub(crate) fn sample_all(
+        &self,
+        from: &Columns<f64>,
+        u: &[Vec2; BLOCK],
+        count: usize,
+        into: &mut ShapeSamples,
+    ) {
+        self.shape.sample_all(from, u, count, into);
+        if !self.two_sided {
+            into.hide_backs();
+        }
+    }
+
     /// A sample of the shape before it moved, as one of the light; `None` if it sends no light to `from`.
     #[inline(always)]
     fn shining(
@@ -77,63 +91,6 @@ impl AreaLight {
 #[inline(always)]
 fn as_before(point: DVec3, moved: Option<DAffine3>) -> DVec3 {
     moved.map_or(point, |moved| moved.inverse().transform_point3(point))
-}
-
-/// What many points see of an area light.
-#[derive(Debug, Default)]
-pub(crate) struct Views {
-    from: Vec<Columns<f64>>,
-    samples: Vec<ShapeSamples>,
-}
-
-impl Views {
-    /// From each of `points`, m, with where the light has moved to when it is seen, if it does.
-    pub(crate) fn begin(&mut self, points: impl Iterator<Item = (Vec3, Option<DAffine3>)>) {
-        for (number, (point, moved)) in points.enumerate() {
-            let (block, k) = (number / BLOCK, number % BLOCK);
-            if block == self.from.len() {
-                self.from.push(Columns::default());
-                self.samples.push(ShapeSamples::default());
-            }
-            self.from[block].set(k, as_before(point.as_dvec3(), moved));
-        }
-    }
-
-    /// What point `k`, at `from`, sees of `light`.
-    #[inline(always)]
-    pub(crate) fn get(
-        &self,
-        k: usize,
-        light: &AreaLight,
-        from: Vec3,
-        moved: Option<DAffine3>,
-    ) -> Option<ShapeSample> {
-        light.shining(self.samples[k / BLOCK].get(k % BLOCK)?, from.as_dvec3(), moved)
-    }
-}
-
-/// Looks from all points of `views` at a light, each by its pair of numbers in 0..1.
-pub(crate) struct Look<'a> {
-    /// The light.
-    pub light: &'a AreaLight,
-    /// The numbers.
-    pub pairs: &'a [Vec2],
-    /// From where, and what is seen.
-    pub views: &'a mut Views,
-}
-
-impl Kernel for Look<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Simd>(self, _: S) {
-        let Views { from, samples, .. } = self.views;
-        for ((pairs, from), samples) in self.pairs.chunks(BLOCK).zip(from).zip(samples) {
-            let mut block = [Vec2::ZERO; BLOCK];
-            block[..pairs.len()].copy_from_slice(pairs);
-            self.light.shape.sample_all(from, &block, pairs.len(), samples);
-        }
-    }
 }
 
 /// All area lights, found by what a ray has met.

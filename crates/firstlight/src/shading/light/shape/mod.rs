@@ -19,6 +19,7 @@ pub(crate) use polygon::{Parallelogram, Triangle};
 use super::tree::EmissionCone;
 use crate::geometry::Bounds;
 use crate::math::{BLOCK, Columns};
+use crate::simd::LANES;
 use glam::{DVec2, DVec3, Vec2};
 use polygon::NearAndFar;
 use std::f64::consts::FRAC_1_PI;
@@ -71,16 +72,37 @@ impl Default for ShapeSamples {
 }
 
 impl ShapeSamples {
+    /// Nothing is seen by those who would see the back.
+    #[inline(always)]
+    pub(crate) fn hide_backs(&mut self) {
+        for k in 0..BLOCK {
+            let front = self.normal.get(k).dot(self.incoming.get(k)) < 0.0;
+            self.pdf[k] = if front { self.pdf[k] } else { 0.0 };
+        }
+    }
+
     /// What point `k` sees; `None` if that is nothing.
     #[inline(always)]
     pub(crate) fn get(&self, k: usize) -> Option<ShapeSample> {
-        (self.pdf[k] > 0.0).then(|| ShapeSample {
+        (self.pdf[k] > 0.0).then(|| self.row(k))
+    }
+
+    /// The density of what point `k` sees, sr⁻¹; `None` if that is nothing.
+    #[inline(always)]
+    pub(crate) fn pdf(&self, k: usize) -> Option<f64> {
+        (self.pdf[k] > 0.0).then_some(self.pdf[k])
+    }
+
+    /// The same, which means nothing where the density is 0.
+    #[inline(always)]
+    pub(crate) fn row(&self, k: usize) -> ShapeSample {
+        ShapeSample {
             position: self.position.get(k),
             normal: self.normal.get(k),
             incoming: self.incoming.get(k),
             distance: self.distance[k],
             pdf: self.pdf[k],
-        })
+        }
     }
 
     #[inline(always)]
@@ -103,29 +125,57 @@ fn sample_flat(
     count: usize,
     into: &mut ShapeSamples,
 ) {
-    let (mut near, mut nears) = ([0; BLOCK], 0);
+    let (mut near, mut nears, mut far) = ([0; BLOCK], 0, [false; BLOCK]);
     for (k, u) in u.iter().enumerate() {
         into.set(k, shape.sample_afar(from.get(k), u.as_dvec2()));
     }
-    for k in 0..count {
-        near[nears] = k;
-        nears += usize::from(!shape.is_far(from.get(k)));
+    for (k, far) in far.iter_mut().enumerate() {
+        *far = shape.is_far(from.get(k));
+    }
+    for (k, &far) in far[..count].iter().enumerate() {
+        near[nears % BLOCK] = k;
+        nears += usize::from(!far);
     }
     if nears == 0 {
         return;
     }
-    // Side by side, so that they are looked at several at a time too.
-    let (mut near_from, mut near_u) = (Columns::<f64>::default(), [Vec2::ZERO; BLOCK]);
+    // Side by side, so that they are looked at several at a time too; so many that none are left over.
+    let (mut side_by_side, mut samples) = (Places::default(), ShapeSamples::default());
     for (i, &k) in near[..nears].iter().enumerate() {
-        near_from.set(i, from.get(k));
-        near_u[i] = u[k];
+        side_by_side.set(i, from.get(k), u[k]);
     }
-    let mut samples = ShapeSamples::default();
-    for (i, u) in near_u[..nears].iter().enumerate() {
-        samples.set(i, shape.sample_near(near_from.get(i), u.as_dvec2()));
+    for i in 0..nears.next_multiple_of(LANES).min(BLOCK) {
+        let (from, u) = side_by_side.get(i);
+        samples.set(i, shape.sample_near(from, u.as_dvec2()));
     }
     for (i, &k) in near[..nears].iter().enumerate() {
         into.set(k, samples.get(i));
+    }
+}
+
+/// From where a block of points looks, and by which two numbers in 0..1.
+struct Places {
+    from: Columns<f64>,
+    u: [Vec2; BLOCK],
+}
+
+impl Default for Places {
+    #[inline(always)]
+    fn default() -> Self {
+        Self { from: Columns::default(), u: [Vec2::ZERO; BLOCK] }
+    }
+}
+
+impl Places {
+    #[inline(always)]
+    fn get(&self, k: usize) -> (DVec3, Vec2) {
+        (self.from.get(k), self.u[k])
+    }
+
+    #[inline(always)]
+    fn set(&mut self, k: usize, from: DVec3, u: Vec2) {
+        self.from.set(k, from);
+        self.u[k] = u;
     }
 }
 
