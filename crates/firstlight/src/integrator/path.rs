@@ -67,6 +67,8 @@ pub(crate) struct Scratch {
     hits: Vec<Hit>,
     /// The points that a block of them met.
     met: Points,
+    /// What those that met nothing get from the environment.
+    sky: Vec<(Rgb, f32)>,
     vertices: Vertices,
     draws: Draws,
     aims: Aims,

@@ -119,15 +119,21 @@ fn noise(spot: Spot, size: Vec2, octaves: u32) -> f32 {
 fn waves(place: Vec2, seed: u64) -> f32 {
     let (cell, part) = (place.floor(), place - place.floor());
     let fade = part * part * part * (part * (part * 6.0 - 15.0) + 10.0);
-    let corner = |x: f32, y: f32| {
-        let [i, j] = [cell.x + x, cell.y + y].map(|c| c as i64 as u64);
-        let turn = hash(hash(hash(seed) ^ i) ^ j) >> 40;
-        Vec2::from_angle(TAU * turn as f32 / (1 << 24) as f32).dot(part - Vec2::new(x, y))
+    let hashed = |hash_so_far: u64, c: f32| hash(hash_so_far ^ c as i64 as u64);
+    let first = hash(seed);
+    let columns = [hashed(first, cell.x), hashed(first, cell.x + 1.0)];
+    let corner = |x: usize, y: f32| {
+        let way = WAYS[(hashed(columns[x], cell.y + y) >> 56) as usize];
+        way.dot(part - Vec2::new(x as f32, y))
     };
-    let row = |y| corner(0.0, y) + fade.x * (corner(1.0, y) - corner(0.0, y));
+    let row = |y| corner(0, y) + fade.x * (corner(1, y) - corner(0, y));
     // At most √½ in the middle of a cell.
     SQRT_2 * (row(0.0) + fade.y * (row(1.0) - row(0.0)))
 }
+
+/// Which ways the noise can rise at a corner: all around.
+static WAYS: LazyLock<[Vec2; 256]> =
+    LazyLock::new(|| std::array::from_fn(|way| Vec2::from_angle(TAU * way as f32 / 256.0)));
 
 /// Which set of texture coordinates a texture uses.
 pub(crate) fn uv_set(texture: &Texture) -> usize {

@@ -16,14 +16,18 @@ use crate::scene::description::Material;
 use crate::scene::{LookAt, Plain, Points, Scene};
 use crate::shading::bsdf::{Frame, Kind, Lobe, Matte};
 use crate::shading::interaction::SurfaceInteraction;
+use crate::shading::light::environment::Meet;
 use crate::shading::volume::HenyeyGreenstein;
 use glam::Vec3;
+use std::slice::Iter;
 
 /// What becomes of rays that arrive.
 struct Arrivals<'a, R> {
     path: &'a Path<'a>,
     bounce: u32,
     points: &'a [PathPoints],
+    /// What the environment gives to each ray that hit nothing, as [`Meet`] says.
+    sky: Iter<'a, (Rgb, f32)>,
     vertices: &'a mut Vertices,
     samples: &'a mut [Sample],
     on_surface: &'a mut Vec<u32>,
@@ -40,11 +44,17 @@ impl Path<'_> {
         scratch: &mut Scratch,
         recorder: &mut impl Recorder,
     ) {
-        let Scratch { rays, walks, hits, met, vertices, samples, on_surface, .. } = scratch;
+        let Scratch { rays, walks, hits, met, sky, vertices, samples, on_surface, .. } = scratch;
+        let (path, scene) = (self, self.scene);
         vertices.clear();
+        sky.clear();
+        if let Some((environment, _)) = &scene.environment {
+            scene.level().run(Meet { environment, rays, hits, met: &mut *sky });
+        }
+        let sky = sky.iter();
         let mut arrivals =
-            Arrivals { path: self, bounce, points, vertices, samples, on_surface, recorder };
-        let (scene, mut walks) = (self.scene, (0..).zip(walks));
+            Arrivals { path, bounce, points, sky, vertices, samples, on_surface, recorder };
+        let mut walks = (0..).zip(walks);
         for (rays, hits) in rays.chunks(BLOCK).zip(hits.chunks(BLOCK)) {
             scene.level().run(LookAt { scene, rays, hits, points: &mut *met });
             for (k, ((ray, hit), walk)) in rays.iter().zip(hits).zip(&mut walks).enumerate() {
@@ -53,22 +63,24 @@ impl Path<'_> {
         }
     }
 
-    /// Radiance along a ray that meets nothing, W·sr⁻¹·m⁻², as far as lights were not asked for it.
+    /// Radiance along a ray that meets nothing but what the `sky` gives (see [`Meet`]), W·sr⁻¹·m⁻², as far as lights were not
+    /// asked for it.
     #[inline(always)]
     fn behind_all(
         &self,
         bounce: u32,
         walk: &Walk,
         ray: &Ray,
+        sky: Option<&(Rgb, f32)>,
     ) -> impl Iterator<Item = (Source, Rgb)> {
         let Scene { suns, sun_numbers, environment, background, .. } = self.scene;
         let (pdf, direction, techniques) = (walk.pdf, ray.direction, self.techniques);
-        let sky = match environment {
-            Some((environment, visible)) if *visible || bounce > 0 => {
-                let weight = techniques.met(environment.pdf(direction), pdf);
-                Some((Source::Environment, environment.radiance(direction) * weight))
+        let is_seen = environment.as_ref().is_some_and(|(_, visible)| *visible || bounce > 0);
+        let sky = match sky.filter(|_| is_seen) {
+            Some((radiance, lights)) => {
+                Some((Source::Environment, radiance * techniques.met(*lights, pdf)))
             }
-            _ => walk.sharp_only.then_some((Source::Background, *background)),
+            None => walk.sharp_only.then_some((Source::Background, *background)),
         };
         let suns = suns.iter().zip(sun_numbers).map(move |(sun, number)| {
             let weight = techniques.met(sun.pdf(direction), pdf);
@@ -106,6 +118,7 @@ impl<R: Recorder> Arrivals<'_, R> {
     ) {
         let Path { scene, .. } = *self.path;
         let (points, pairs) = (&self.points[walk.sample as usize], Bounce::new(self.bounce));
+        let sky = if hit.is_some() { None } else { self.sky.next() };
         let plain = scene.plain(hit);
         let flat = plain.filter(|plain| plain.flat);
         let surface = if flat.is_some() { None } else { met.get(k, scene, ray, hit) };
@@ -131,7 +144,7 @@ impl<R: Recorder> Arrivals<'_, R> {
                 surface.seen_width = walk.cone.width;
                 self.meet((number, walk), ray, &surface, crossing);
             }
-            (None, None) => self.pass(walk, ray),
+            (None, None) => self.pass(walk, ray, sky),
         }
     }
 
@@ -148,12 +161,12 @@ impl<R: Recorder> Arrivals<'_, R> {
 
     /// At nothing.
     #[inline(never)]
-    fn pass(&mut self, walk: &Walk, ray: &Ray) {
+    fn pass(&mut self, walk: &Walk, ray: &Ray, sky: Option<&(Rgb, f32)>) {
         if self.bounce == 0 && self.path.transparent {
             self.samples[walk.sample as usize].alpha = 0.0;
             return;
         }
-        for (source, radiance) in self.path.behind_all(self.bounce, walk, ray) {
+        for (source, radiance) in self.path.behind_all(self.bounce, walk, ray, sky) {
             let gain = walk.gain(self.bounce, source, radiance);
             add(self.path.scene, self.samples, self.recorder, gain);
         }

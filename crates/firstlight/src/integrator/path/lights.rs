@@ -14,7 +14,7 @@ use crate::sampler::{Pairs, PathPoints};
 use crate::scene::{LocalLight, LocalLights};
 use crate::shading::light::LightSample;
 use crate::shading::light::area::AreaLight;
-use crate::shading::light::environment::EnvironmentSample;
+use crate::shading::light::environment::{Ask, Environment, EnvironmentSample};
 use crate::shading::light::shape::{ShapeSample, ShapeSamples};
 use crate::simd::{Kernel, Level, Simd};
 use glam::{Vec2, Vec3};
@@ -69,6 +69,8 @@ pub(super) struct Answer {
 pub(super) struct Draws {
     paths: Vec<PathPoints>,
     pairs: [Vec<Vec2>; 2],
+    /// What the vertices get from the environment by the first pairs.
+    sky: Vec<EnvironmentSample>,
 }
 
 impl Draws {
@@ -299,11 +301,7 @@ impl Path<'_> {
             });
         }
         if let Some((environment, _)) = &self.scene.environment {
-            let place = [pairs.environment()];
-            self.ask(bounce, place, scratch, recorder, |vertex, [u]| {
-                let sample = environment.sample(u)?;
-                self.light_from_afar(vertex, Source::Environment, sample)
-            });
+            self.ask_environment(bounce, environment, scratch, recorder);
         }
     }
 
@@ -402,12 +400,42 @@ impl Path<'_> {
         recorder: &mut impl Recorder,
         light: impl Fn(&Vertex, [Vec2; N]) -> Option<Answer>,
     ) {
+        scratch.draws.draw(self.scene.level(), numbers);
+        self.settle(bounce, scratch, recorder, |vertex, draws, k| light(vertex, draws.get(k)));
+    }
+
+    /// The same for the environment, in directions that it picks.
+    #[inline(always)]
+    fn ask_environment(
+        &self,
+        bounce: u32,
+        environment: &Environment,
+        scratch: &mut Scratch,
+        recorder: &mut impl Recorder,
+    ) {
+        let (level, draws) = (self.scene.level(), &mut scratch.draws);
+        draws.draw(level, [Bounce::new(bounce).environment()]);
+        let (pairs, samples) = (&draws.pairs[0], &mut draws.sky);
+        level.run(Ask { environment, pairs, samples });
+        self.settle(bounce, scratch, recorder, |vertex, draws, k| {
+            self.light_from_afar(vertex, Source::Environment, *draws.sky.get(k)?)
+        });
+    }
+
+    /// Adds what `light` gives to each vertex, by its place, where nothing is in the way.
+    #[inline(always)]
+    fn settle(
+        &self,
+        bounce: u32,
+        scratch: &mut Scratch,
+        recorder: &mut impl Recorder,
+        light: impl Fn(&Vertex, &Draws, usize) -> Option<Answer>,
+    ) {
         let Scratch { walks, vertices, draws, shadows, samples, counts, .. } = scratch;
-        draws.draw(self.scene.level(), numbers);
         shadows.clear();
         for k in 0..vertices.len() {
             let vertex = vertices.get(k, walks);
-            if let Some(answer) = light(&vertex, draws.get(k)) {
+            if let Some(answer) = light(&vertex, draws, k) {
                 let (asked, media) = (answer.at(&vertex, bounce), answer.media(&vertex));
                 shadows.ask(self.scene, &asked, media, samples, recorder);
             }

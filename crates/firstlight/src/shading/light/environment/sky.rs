@@ -2,12 +2,11 @@
 
 use super::cie::CieSky;
 use super::preetham::{self, PreethamSky};
-use super::table::{Aim, DirectionTable};
+use super::table::{Aim, DirectionTable, place};
 use crate::color::{Rgb, luminance};
-use crate::scene::description::{Pixels, Sampling, Sky, Wrap};
-use crate::shading::texture::{Role, look_up, texel};
-use glam::{DVec3, Vec2, Vec3, Vec4Swizzles};
-use std::f32::consts::FRAC_1_PI;
+use crate::scene::description::{Pixels, Sampling, Sky};
+use crate::shading::texture::{Role, texel};
+use glam::{DVec2, DVec3, Vec2, Vec3, Vec4Swizzles};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
@@ -44,15 +43,34 @@ impl Radiance {
     }
 
     /// What comes from the unit direction `from` in the sky's own space.
-    pub(super) fn from(&self, from: Vec3) -> Rgb {
+    fn from(&self, from: Vec3) -> Rgb {
+        self.at(from, &self.spot(place(from.as_dvec3())))
+    }
+
+    /// Where to look in the picture, if it is one, for a direction with this [`place`].
+    #[inline(always)]
+    pub(super) fn spot(&self, place: DVec2) -> Spot {
         match self {
-            Self::Uniform => Rgb::ONE,
+            Self::Picture { pixels, sampling } => Spot::new(pixels, *sampling, place),
+            _ => Spot::default(),
+        }
+    }
+
+    /// What comes from the unit direction `from`, which has this spot.
+    #[inline(always)]
+    pub(super) fn at(&self, from: Vec3, spot: &Spot) -> Rgb {
+        match self {
+            Self::Picture { pixels, .. } => spot.look_up(pixels),
+            _ => self.by_formula(from),
+        }
+    }
+
+    /// The same in the other skies.
+    fn by_formula(&self, from: Vec3) -> Rgb {
+        match self {
+            Self::Uniform | Self::Picture { .. } => Rgb::ONE,
             Self::Gradient { zenith, horizon, nadir } => {
                 horizon.lerp(if from.z > 0.0 { *zenith } else { *nadir }, from.z.abs())
-            }
-            Self::Picture { pixels, sampling } => {
-                let wrap = [Wrap::Repeat, Wrap::Clamp];
-                look_up(pixels, on_picture(from), wrap, *sampling, Role::Color).xyz()
             }
             Self::Cie { ground, .. } | Self::Clear { ground, .. } if from.z <= 0.0 => *ground,
             Self::Cie { sky, .. } => Rgb::splat(sky.relative(from.as_dvec3()) as f32),
@@ -115,8 +133,45 @@ fn of_picture(pixels: &Pixels, sampling: Sampling, aim: Aim) -> Option<Direction
     })
 }
 
-/// Texture coordinates of a direction in the sky's own space, v up.
-fn on_picture(from: Vec3) -> Vec2 {
-    let across = from.truncate().length();
-    Vec2::new(0.5 + 0.5 * FRAC_1_PI * from.x.atan2(from.y), 0.5 + FRAC_1_PI * from.z.atan2(across))
+/// Four texels of a lat-long picture, and how far it is from the first ones to the others.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Spot {
+    /// Top left, top right, bottom left, bottom right.
+    texels: [usize; 4],
+    part: Vec2,
+}
+
+impl Spot {
+    /// The texels around a [`place`]; four times the same one if it is the nearest that counts. The picture goes on from its
+    /// right border at its left.
+    #[inline(always)]
+    fn new(pixels: &Pixels, sampling: Sampling, place: DVec2) -> Self {
+        let [width, height] = [pixels.width as i32, pixels.height as i32];
+        let on_picture = place * DVec2::new(f64::from(width), f64::from(height));
+        if sampling == Sampling::Nearest {
+            let (x, y) = (on_picture.x as i32, on_picture.y as i32);
+            let nearest = y.min(height - 1) as usize * width as usize + x.min(width - 1) as usize;
+            return Self { texels: [nearest; 4], part: Vec2::ZERO };
+        }
+        // Texels' centres are whole numbers from 1 on.
+        let from_centers = on_picture + 0.5;
+        let (x, y) = (from_centers.x as i32, from_centers.y as i32);
+        let part = (from_centers - DVec2::new(f64::from(x), f64::from(y))).as_vec2();
+        let left = if x == 0 { width - 1 } else { x - 1 } as usize;
+        let right = if x < width { x } else { 0 } as usize;
+        let top = (y - 1).max(0) as usize * width as usize;
+        let bottom = y.min(height - 1) as usize * width as usize;
+        Self { texels: [top + left, top + right, bottom + left, bottom + right], part }
+    }
+
+    /// RGB there.
+    #[inline(always)]
+    fn look_up(&self, pixels: &Pixels) -> Rgb {
+        let [top_left, top_right, bottom_left, bottom_right] = self.texels;
+        let top_left = texel(pixels, top_left, Role::Color);
+        let top = top_left.lerp(texel(pixels, top_right, Role::Color), self.part.x);
+        let bottom_left = texel(pixels, bottom_left, Role::Color);
+        let bottom = bottom_left.lerp(texel(pixels, bottom_right, Role::Color), self.part.x);
+        top.lerp(bottom, self.part.y).xyz()
+    }
 }

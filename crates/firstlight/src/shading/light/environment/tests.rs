@@ -1,7 +1,9 @@
 //! The environment against closed forms, and its directions against their density.
 
 use super::*;
+use crate::geometry::{Hit, Ray};
 use crate::scene::description::{Pixels, Sampling, Texels};
+use crate::simd::Level;
 use crate::testing::{Random, chi_squared_z};
 use glam::{DVec2, DVec3, Vec4};
 use std::f64::consts::{PI, TAU};
@@ -187,6 +189,37 @@ fn compensated_samples_and_others_together_miss_nothing() {
             (mean - expected).abs() < 4.0 * error,
             "{name}: {mean} is not {expected} ± {error}"
         );
+    }
+}
+
+/// At all levels, in blocks that are full and not, beside rays that hit something: the bits of one by one.
+#[test]
+fn many_directions_get_what_each_gets_alone() {
+    let mut random = Random::new(6);
+    for (name, sky) in skies() {
+        let environment =
+            Environment::new(&sky, Rgb::new(1.0, 2.0, 3.0), turned(), Aim::Compensated);
+        for (level, count) in Level::all().into_iter().flat_map(|l| [0, 1, 64, 200].map(|n| (l, n)))
+        {
+            let pairs: Vec<_> =
+                (0..count).map(|_| Vec2::new(random.unit() as f32, random.unit() as f32)).collect();
+            let mut samples = Vec::new();
+            level.run(Ask { environment: &environment, pairs: &pairs, samples: &mut samples });
+            let alone: Vec<_> = pairs.iter().filter_map(|&u| environment.sample(u)).collect();
+            assert_eq!(samples, alone, "{name}, {}: {count}", level.name());
+            let ray = |_| Ray::new(Vec3::ZERO, random.direction().as_vec3());
+            let rays: Vec<_> = (0..count).map(ray).collect();
+            let hit =
+                |i| if i % 3 == 0 { Hit { surface: 7, ..Hit::none(1.0) } } else { Hit::none(1.0) };
+            let hits: Vec<_> = (0..count).map(hit).collect();
+            let mut met = Vec::new();
+            level.run(Meet { environment: &environment, rays: &rays, hits: &hits, met: &mut met });
+            let free = rays.iter().zip(&hits).filter(|(_, hit)| !hit.is_some());
+            let one =
+                |ray: &Ray| (environment.radiance(ray.direction), environment.pdf(ray.direction));
+            let alone: Vec<_> = free.map(|(ray, _)| one(ray)).collect();
+            assert_eq!(met, alone, "{name}, {}: {count}", level.name());
+        }
     }
 }
 
