@@ -34,7 +34,6 @@ use crate::sampler::PathPoints;
 use crate::scene::{Meets, Points, Scene, SeenByCamera};
 use crate::shading::bsdf::{BsdfSample, Matte};
 use crate::shading::interaction::clearance;
-use crate::shading::light::environment::EnvironmentSample;
 use crate::simd::{Kernel, Simd};
 use glam::{DVec3, Vec2, Vec3};
 use lights::{Aims, Draws, Techniques};
@@ -68,13 +67,11 @@ pub(crate) struct Scratch {
     hits: Vec<Hit>,
     /// The points that a block of them met.
     met: Points,
-    /// Radiance of the environment and its density along the rays that met nothing, one by one.
+    /// What those that met nothing get from the environment.
     sky: Vec<(Rgb, f32)>,
     vertices: Vertices,
     draws: Draws,
     aims: Aims,
-    /// What the vertices get from the environment.
-    afar: Vec<EnvironmentSample>,
     onward: Onward,
     shadows: ShadowRays,
     /// One answer per camera ray.

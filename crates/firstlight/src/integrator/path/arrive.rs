@@ -26,7 +26,7 @@ struct Arrivals<'a, R> {
     path: &'a Path<'a>,
     bounce: u32,
     points: &'a [PathPoints],
-    /// Radiance of the environment and its density along the rays that meet nothing and are still to come.
+    /// What the environment gives to each ray that hit nothing, as [`Meet`] says.
     sky: Iter<'a, (Rgb, f32)>,
     vertices: &'a mut Vertices,
     samples: &'a mut [Sample],
@@ -45,14 +45,16 @@ impl Path<'_> {
         recorder: &mut impl Recorder,
     ) {
         let Scratch { rays, walks, hits, met, sky, vertices, samples, on_surface, .. } = scratch;
-        let (scene, mut walks) = (self.scene, (0..).zip(walks));
+        let (path, scene) = (self, self.scene);
         vertices.clear();
+        sky.clear();
         if let Some((environment, _)) = &scene.environment {
             scene.level().run(Meet { environment, rays, hits, met: &mut *sky });
         }
         let sky = sky.iter();
         let mut arrivals =
-            Arrivals { path: self, bounce, points, sky, vertices, samples, on_surface, recorder };
+            Arrivals { path, bounce, points, sky, vertices, samples, on_surface, recorder };
+        let mut walks = (0..).zip(walks);
         for (rays, hits) in rays.chunks(BLOCK).zip(hits.chunks(BLOCK)) {
             scene.level().run(LookAt { scene, rays, hits, points: &mut *met });
             for (k, ((ray, hit), walk)) in rays.iter().zip(hits).zip(&mut walks).enumerate() {
@@ -61,21 +63,22 @@ impl Path<'_> {
         }
     }
 
-    /// Radiance along a ray that meets nothing but what the `sky` gives, W·sr⁻¹·m⁻², as far as lights were not asked for it.
+    /// Radiance along a ray that meets nothing but what the `sky` gives (see [`Meet`]), W·sr⁻¹·m⁻², as far as lights were not
+    /// asked for it.
     #[inline(always)]
     fn behind_all(
         &self,
         bounce: u32,
         walk: &Walk,
         ray: &Ray,
-        sky: Option<(Rgb, f32)>,
+        sky: Option<&(Rgb, f32)>,
     ) -> impl Iterator<Item = (Source, Rgb)> {
         let Scene { suns, sun_numbers, environment, background, .. } = self.scene;
         let (pdf, direction, techniques) = (walk.pdf, ray.direction, self.techniques);
         let is_seen = environment.as_ref().is_some_and(|(_, visible)| *visible || bounce > 0);
         let sky = match sky.filter(|_| is_seen) {
             Some((radiance, lights)) => {
-                Some((Source::Environment, radiance * techniques.met(lights, pdf)))
+                Some((Source::Environment, radiance * techniques.met(*lights, pdf)))
             }
             None => walk.sharp_only.then_some((Source::Background, *background)),
         };
@@ -115,7 +118,7 @@ impl<R: Recorder> Arrivals<'_, R> {
     ) {
         let Path { scene, .. } = *self.path;
         let (points, pairs) = (&self.points[walk.sample as usize], Bounce::new(self.bounce));
-        let sky = if hit.is_some() { None } else { self.sky.next().copied() };
+        let sky = if hit.is_some() { None } else { self.sky.next() };
         let plain = scene.plain(hit);
         let flat = plain.filter(|plain| plain.flat);
         let surface = if flat.is_some() { None } else { met.get(k, scene, ray, hit) };
@@ -156,9 +159,9 @@ impl<R: Recorder> Arrivals<'_, R> {
         }
     }
 
-    /// At nothing, where the environment gives that.
+    /// At nothing.
     #[inline(never)]
-    fn pass(&mut self, walk: &Walk, ray: &Ray, sky: Option<(Rgb, f32)>) {
+    fn pass(&mut self, walk: &Walk, ray: &Ray, sky: Option<&(Rgb, f32)>) {
         if self.bounce == 0 && self.path.transparent {
             self.samples[walk.sample as usize].alpha = 0.0;
             return;

@@ -69,6 +69,8 @@ pub(super) struct Answer {
 pub(super) struct Draws {
     paths: Vec<PathPoints>,
     pairs: [Vec<Vec2>; 2],
+    /// What the vertices get from the environment by the first pairs.
+    sky: Vec<EnvironmentSample>,
 }
 
 impl Draws {
@@ -398,12 +400,42 @@ impl Path<'_> {
         recorder: &mut impl Recorder,
         light: impl Fn(&Vertex, [Vec2; N]) -> Option<Answer>,
     ) {
+        scratch.draws.draw(self.scene.level(), numbers);
+        self.settle(bounce, scratch, recorder, |vertex, draws, k| light(vertex, draws.get(k)));
+    }
+
+    /// The same for the environment, in directions that it picks.
+    #[inline(always)]
+    fn ask_environment(
+        &self,
+        bounce: u32,
+        environment: &Environment,
+        scratch: &mut Scratch,
+        recorder: &mut impl Recorder,
+    ) {
+        let (level, draws) = (self.scene.level(), &mut scratch.draws);
+        draws.draw(level, [Bounce::new(bounce).environment()]);
+        let (pairs, samples) = (&draws.pairs[0], &mut draws.sky);
+        level.run(Ask { environment, pairs, samples });
+        self.settle(bounce, scratch, recorder, |vertex, draws, k| {
+            self.light_from_afar(vertex, Source::Environment, *draws.sky.get(k)?)
+        });
+    }
+
+    /// Adds what `light` gives to each vertex, by its place, where nothing is in the way.
+    #[inline(always)]
+    fn settle(
+        &self,
+        bounce: u32,
+        scratch: &mut Scratch,
+        recorder: &mut impl Recorder,
+        light: impl Fn(&Vertex, &Draws, usize) -> Option<Answer>,
+    ) {
         let Scratch { walks, vertices, draws, shadows, samples, counts, .. } = scratch;
-        draws.draw(self.scene.level(), numbers);
         shadows.clear();
         for k in 0..vertices.len() {
             let vertex = vertices.get(k, walks);
-            if let Some(answer) = light(&vertex, draws.get(k)) {
+            if let Some(answer) = light(&vertex, draws, k) {
                 let (asked, media) = (answer.at(&vertex, bounce), answer.media(&vertex));
                 shadows.ask(self.scene, &asked, media, samples, recorder);
             }
@@ -445,30 +477,6 @@ impl Path<'_> {
                     let (asked, media) = (answer.at(&vertex, bounce), answer.media(&vertex));
                     shadows.ask(self.scene, &asked, media, samples, recorder);
                 }
-            }
-        }
-        shadows.settle(self.scene, 0, samples, counts, recorder);
-    }
-
-    /// The same for the environment, in directions that it picks.
-    #[inline(always)]
-    fn ask_environment(
-        &self,
-        bounce: u32,
-        environment: &Environment,
-        scratch: &mut Scratch,
-        recorder: &mut impl Recorder,
-    ) {
-        let Scratch { walks, vertices, draws, afar, shadows, samples, counts, .. } = scratch;
-        let level = self.scene.level();
-        draws.draw(level, [Bounce::new(bounce).environment()]);
-        level.run(Ask { environment, pairs: &draws.pairs[0], samples: &mut *afar });
-        shadows.clear();
-        for (k, &sample) in afar.iter().enumerate() {
-            let vertex = vertices.get(k, walks);
-            if let Some(answer) = self.light_from_afar(&vertex, Source::Environment, sample) {
-                let (asked, media) = (answer.at(&vertex, bounce), answer.media(&vertex));
-                shadows.ask(self.scene, &asked, media, samples, recorder);
             }
         }
         shadows.settle(self.scene, 0, samples, counts, recorder);
