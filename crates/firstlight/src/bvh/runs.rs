@@ -30,7 +30,12 @@ const GUIDE: u32 = 1024;
 
 impl Runs {
     /// Of so many `triangles` in all; `runs` are in order.
-    pub(super) fn new(runs: Vec<Run>, triangles: u32) -> Self {
+    pub(super) fn new(mut runs: Vec<Run>, triangles: u32) -> Self {
+        // There is always one to look at.
+        let triangles = triangles.max(1);
+        if runs.is_empty() {
+            runs.push(Run { first: 0, surface: 0, in_pairs: false });
+        }
         let shift = triangles.div_ceil(GUIDE).next_power_of_two().ilog2();
         let numbers = (0..triangles).step_by(1 << shift);
         let run_of = |number| runs.partition_point(|run| run.first <= number) as u32 - 1;
@@ -50,9 +55,7 @@ impl Runs {
 
     /// Names the surfaces of hits that only name triangles. What is hit cannot be foreseen, so that nothing branches on it.
     pub(super) fn name(&self, hits: &mut [Hit]) {
-        if !self.guide.is_empty() {
-            hits.iter_mut().for_each(|hit| *hit = self.named(hit));
-        }
+        hits.iter_mut().for_each(|hit| *hit = self.named(hit));
     }
 
     /// A hit with its surface and its part of that; any other as it is.
@@ -107,8 +110,12 @@ mod tests {
 
     #[test]
     fn without_triangles_there_is_nothing_to_name() {
-        let mut hits = [Hit::none(1.0)];
-        Runs::new(Vec::new(), 0).name(&mut hits);
-        assert_eq!(hits, [Hit::none(1.0)]);
+        let others = [Hit::none(1.0), Hit { surface: 2, primitive: 3, ..Hit::none(1.0) }];
+        let without_any = Run { first: 0, surface: 5, in_pairs: true };
+        for runs in [Vec::new(), vec![without_any]] {
+            let mut hits = others;
+            Runs::new(runs, 0).name(&mut hits);
+            assert_eq!(hits, others);
+        }
     }
 }

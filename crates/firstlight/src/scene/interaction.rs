@@ -532,13 +532,17 @@ mod tests {
     /// Of those that are flat, the little that is asked of them is the same.
     #[test]
     fn flat_points_are_those_that_each_ray_finds_alone() {
-        let (scene, mut random) = (stage(), Random::new(6));
+        let (mut scene, mut random) = (scene_of(Vec3::ONE), Random::new(6));
+        let center = Vec3::new(-2.5, 0.1, 0.3);
+        add_mesh(&mut scene, Mesh { normals: Vec::new(), ..icosphere(2) });
+        scene.surfaces[0].transform = DAffine3::from_translation(center.as_dvec3());
+        let scene = Scene::build(&scene);
         let (mut hits, mut points, mut flat) = (Vec::new(), Points::default(), 0);
         for _ in 0..50 {
             let rays: Vec<_> = (0..BLOCK)
                 .map(|_| {
                     let [x, y, z] = [0; 3].map(|_| random.unit() as f32 - 0.5);
-                    Ray::new(Vec3::new(-2.5, 0.0, 0.0), Vec3::new(x, y, z).normalize())
+                    Ray::new(center, Vec3::new(x, y, z).normalize())
                 })
                 .collect();
             scene.world.closest_hits(&rays, &Meets(&scene, 0), &mut hits);
