@@ -30,12 +30,7 @@ const GUIDE: u32 = 1024;
 
 impl Runs {
     /// Of so many `triangles` in all; `runs` are in order.
-    pub(super) fn new(mut runs: Vec<Run>, triangles: u32) -> Self {
-        // There is always one to look at.
-        let triangles = triangles.max(1);
-        if runs.is_empty() {
-            runs.push(Run { first: 0, surface: 0, in_pairs: false });
-        }
+    pub(super) fn new(runs: Vec<Run>, triangles: u32) -> Self {
         let shift = triangles.div_ceil(GUIDE).next_power_of_two().ilog2();
         let numbers = (0..triangles).step_by(1 << shift);
         let run_of = |number| runs.partition_point(|run| run.first <= number) as u32 - 1;
@@ -53,24 +48,29 @@ impl Runs {
         self.runs[i]
     }
 
-    /// Names the surfaces of hits that only name triangles. What is hit cannot be foreseen, so that nothing branches on it.
+    /// Names the surfaces of hits that only name triangles.
     pub(super) fn name(&self, hits: &mut [Hit]) {
-        hits.iter_mut().for_each(|hit| *hit = self.named(hit));
+        for hit in hits.iter_mut().filter(|hit| hit.surface == FLATTENED) {
+            *hit = self.of_triangle(hit);
+        }
     }
 
     /// A hit with its surface and its part of that; any other as it is.
-    #[inline(always)]
     pub(super) fn named(&self, hit: &Hit) -> Hit {
-        let is_triangle = hit.surface == FLATTENED;
-        let run = self.of(select_unpredictable(is_triangle, hit.primitive, 0));
-        let in_pairs = is_triangle & run.in_pairs;
-        let part = hit.primitive.wrapping_sub(run.first) >> u32::from(run.in_pairs);
+        if hit.surface == FLATTENED { self.of_triangle(hit) } else { *hit }
+    }
+
+    /// A triangle's hit with its surface and its part of that. What was hit cannot be foreseen, so that nothing branches on it.
+    #[inline(always)]
+    fn of_triangle(&self, hit: &Hit) -> Hit {
+        let Run { first, surface, in_pairs } = self.of(hit.primitive);
+        let weight = |weight| select_unpredictable(in_pairs, 0.0, weight);
         Hit {
             t: hit.t,
-            u: select_unpredictable(in_pairs, 0.0, hit.u),
-            v: select_unpredictable(in_pairs, 0.0, hit.v),
-            surface: select_unpredictable(is_triangle, run.surface, hit.surface),
-            primitive: select_unpredictable(is_triangle, part, hit.primitive),
+            u: weight(hit.u),
+            v: weight(hit.v),
+            surface,
+            primitive: (hit.primitive - first) >> u32::from(in_pairs),
         }
     }
 }
