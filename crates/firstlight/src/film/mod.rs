@@ -248,8 +248,9 @@ impl Film {
     ) -> Vec<T> {
         let [width, height] = self.size.map(|side| side as usize);
         let mut rows = vec![T::default(); width * height];
-        let bands = rows.par_chunks_mut(width * Tile::SIDE as usize);
-        let tiles = self.tiles.par_chunks(width.div_ceil(Tile::SIDE as usize));
+        // A file may hold a film without pixels.
+        let bands = rows.par_chunks_mut((width * Tile::SIDE as usize).max(1));
+        let tiles = self.tiles.par_chunks(width.div_ceil(Tile::SIDE as usize).max(1));
         bands.zip(tiles).for_each(|(band, tiles)| {
             for tile in tiles {
                 let upper = [self.origin[0], tile.origin[1]];
@@ -436,5 +437,27 @@ impl Tile {
     pub(crate) fn place(&self, index: usize) -> [u32; 2] {
         let (x, y) = (index as u32 % self.size[0], index as u32 / self.size[0]);
         [self.origin[0] + x, self.origin[1] + y]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_film_without_pixels_is_an_empty_picture() {
+        for size in [[0, 0], [0, 20], [20, 0]] {
+            let film = Film::new([3, 4], size);
+            assert!(film.image().pixels().is_empty() && film.variances().is_empty(), "{size:?}");
+        }
+    }
+
+    /// Tiles that are cut off at the right and below, in a rectangle that begins anywhere.
+    #[test]
+    fn rows_have_every_pixel_in_its_place() {
+        let film = Film::new([5, 7], [37, 21]);
+        let places = film.rows(|tile, index| tile.place(index));
+        let expected = (7..28).flat_map(|y| (5..42).map(move |x| [x, y]));
+        assert_eq!(places, expected.collect::<Vec<_>>());
     }
 }

@@ -23,8 +23,8 @@ pub(super) struct Walk {
     pub(super) bounce: u32,
     /// How often it was scattered, straight on not counted.
     pub(super) reflections: u32,
-    /// Where it was picked, m, and where lights had to be there ([`Bsdf::horizon`](crate::shading::bsdf::Bsdf::horizon)): panes that were passed since do not
-    /// count.
+    /// Where it was picked, m, and where lights had to be there (see
+    /// [`Bsdf::horizon`](crate::shading::bsdf::Bsdf::horizon)): panes that were passed since do not count.
     pub(super) from: Vec3,
     pub(super) normal: Vec3,
     /// Whether only mirrors and clear glass lie between the eye and the last ray.

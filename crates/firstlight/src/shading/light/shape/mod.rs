@@ -93,7 +93,7 @@ impl ShapeSamples {
         (self.pdf[k] > 0.0).then_some(self.pdf[k])
     }
 
-    /// The same, which means nothing where the density is 0.
+    /// What point `k` sees, which means nothing where the density is 0.
     #[inline(always)]
     pub(crate) fn row(&self, k: usize) -> ShapeSample {
         ShapeSample {
