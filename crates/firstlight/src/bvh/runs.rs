@@ -49,6 +49,7 @@ impl Runs {
     }
 
     /// Names the surfaces of hits that only name triangles.
+    #[inline(always)]
     pub(super) fn name(&self, hits: &mut [Hit]) {
         for hit in hits.iter_mut().filter(|hit| hit.surface == FLATTENED) {
             *hit = self.of_triangle(hit);

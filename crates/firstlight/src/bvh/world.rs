@@ -5,12 +5,13 @@ use super::reference::{Item, Reference, Triangles};
 use super::runs::{Run, Runs};
 use super::wide;
 use crate::geometry::{Analytic, Bounds, DOUBLE_ERROR, Hit, Ray};
-use crate::kernels::{HitFilter, Others, Search, Stack, Tree, search};
+use crate::kernels::{HitFilter, Others, Search, Stack, Tree, forget, search};
 use crate::scene::description::{Mesh, Motion};
 use crate::simd::{Level, Simd};
 use glam::{DAffine3, Vec3};
 use rayon::prelude::*;
 use std::borrow::Cow;
+use std::cell::RefCell;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -215,22 +216,27 @@ impl World {
 
     /// What each ray hits first, in its range.
     pub(crate) fn closest_hits(&self, rays: &[Ray], filter: &dyn HitFilter, hits: &mut Vec<Hit>) {
-        hits.clear();
-        hits.extend(rays.iter().map(|ray| Hit::none(ray.t_max)));
+        hits.resize(rays.len(), Hit::none(0.0));
         self.search::<false>(rays, filter, hits);
-        self.runs.name(hits);
     }
 
     /// Whether each ray hits anything in its range.
     pub(crate) fn occluded(&self, rays: &[Ray], filter: &dyn HitFilter, occluded: &mut Vec<bool>) {
-        let mut hits: Vec<_> = rays.iter().map(|ray| Hit::none(ray.t_max)).collect();
+        thread_local!(static HITS: RefCell<Vec<Hit>> = const { RefCell::new(Vec::new()) });
+        // A filter may itself ask for what is occluded.
+        let mut hits = HITS.take();
+        hits.resize(rays.len(), Hit::none(0.0));
         self.search::<true>(rays, filter, &mut hits);
         occluded.clear();
         occluded.extend(hits.iter().map(Hit::is_some));
+        HITS.set(hits);
     }
 
     fn search<const ANY: bool>(&self, rays: &[Ray], filter: &dyn HitFilter, hits: &mut [Hit]) {
         let filter = Named { runs: &self.runs, filter };
+        if !self.endless.is_empty() {
+            forget(rays, hits);
+        }
         for &surface in &self.endless {
             for (ray, hit) in rays.iter().zip(&mut *hits) {
                 self.cross(ray, surface, &filter, hit);
@@ -315,6 +321,11 @@ impl Others for World {
             _ => self.cross(search.ray, surface, search.filter, hit),
         }
     }
+
+    #[inline(always)]
+    fn name(&self, hits: &mut [Hit]) {
+        self.runs.name(hits);
+    }
 }
 
 /// A tree of nothing but triangles.
@@ -331,6 +342,9 @@ impl Others for NoOthers {
     ) -> bool {
         false
     }
+
+    /// Whose tree it is knows.
+    fn name(&self, _: &mut [Hit]) {}
 }
 
 /// The ray in an instance's space: rounded once from double precision, distances as in the world.

@@ -1,10 +1,11 @@
 //! A ray and what traversal answers.
 
+use bytemuck::{Pod, Zeroable, cast_ref};
 use glam::Vec3;
 use std::f32::consts::PI;
 
 /// A half-line with a range: the points `origin + t · direction`, `t_min < t ≤ t_max`.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Ray {
     /// Where t = 0, m.
@@ -23,6 +24,13 @@ impl Ray {
     /// The ray from `origin` in the unit direction `direction` without end, at time 0.
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
         Self { origin, direction, t_min: 0.0, t_max: f32::INFINITY, time: 0.0 }
+    }
+
+    /// Origin, direction, start and end of the range, as they lie in memory.
+    #[inline(always)]
+    pub(crate) fn numbers(&self) -> &[f32; 8] {
+        let all: &[f32; 9] = cast_ref(self);
+        all.first_chunk().unwrap_or_else(|| unreachable!("nine are more than eight"))
     }
 
     /// The signs of the direction along x, y, z as bits.

@@ -9,10 +9,10 @@ use glam::{DVec3, Vec3};
 /// the size of the triangle. That is what lets rays start a single-precision rounding error above a surface
 /// without a minimum distance, see `shading::interaction`.
 #[inline(always)]
-pub(crate) fn plane_distance(origin: Vec3, direction: Vec3, corners: [Vec3; 3]) -> f64 {
+pub(crate) fn plane_distance(origin: Vec3, direction: Vec3, corners: [Vec3; 3]) -> f32 {
     let (a, b, c) = (corners[0].as_dvec3(), corners[1].as_dvec3(), corners[2].as_dvec3());
     let normal = (b - a).cross(c - a);
-    normal.dot(a - origin.as_dvec3()) / normal.dot(direction.as_dvec3())
+    normal.dot(a - origin.as_dvec3()) as f32 / normal.dot(direction.as_dvec3()) as f32
 }
 
 /// Solid angle of a triangle seen from the origin, sr (Van Oosterom & Strackee 1983).

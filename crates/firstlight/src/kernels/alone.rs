@@ -5,7 +5,7 @@ use super::group::Group;
 use super::layout::{Child, Tree};
 use super::traverse::{FLATTENED, HitFilter, Others, Search, Stack};
 use crate::geometry::{Hit, Ray};
-use crate::simd::{LANES, Simd};
+use crate::simd::{Simd, Vectors};
 
 /// What is walked through, and what for.
 pub(super) struct Walk<'a, O> {
@@ -24,22 +24,23 @@ impl<O: Others> Walk<'_, O> {
     pub(super) fn alone<S: Simd, const ANY: bool>(
         &mut self,
         simd: S,
-        (g, group): (usize, &mut Group),
+        (g, group): (usize, &mut Group<S::Rays>),
         mut lanes: u32,
         start: Child,
         stack: &mut Stack,
     ) -> bool {
         let mut changed = false;
         while lanes != 0 {
-            let lane = lanes.trailing_zeros() as usize % LANES;
+            let lane = lanes.trailing_zeros() as usize % S::Rays::COUNT;
             lanes &= lanes - 1;
-            let (ray, hit) = (&self.rays[LANES * g + lane], &mut self.hits[LANES * g + lane]);
+            let (ray, hit) =
+                (&self.rays[S::Rays::COUNT * g + lane], &mut self.hits[S::Rays::COUNT * g + lane]);
             let search = Search { simd, ray, filter: self.filter, flags: self.flags };
             let prepared = (group.slabs_of(simd, lane), group.shear_of(simd, lane));
             let start = (self.tree, start);
             if search.walk_from::<O, ANY>(start, ray, prepared, FLATTENED, self.others, hit, stack)
             {
-                group.t.0[lane] = if ANY { f32::NEG_INFINITY } else { hit.t };
+                group.t.as_mut()[lane] = if ANY { f32::NEG_INFINITY } else { hit.t };
                 changed = true;
             }
         }
@@ -51,19 +52,20 @@ impl<O: Others> Walk<'_, O> {
     pub(super) fn visit<S: Simd, const ANY: bool>(
         &mut self,
         simd: S,
-        (g, group): (usize, &mut Group),
+        (g, group): (usize, &mut Group<S::Rays>),
         mut lanes: u32,
         surface: u32,
         stack: &mut Stack,
     ) -> bool {
         let mut changed = false;
         while lanes != 0 {
-            let lane = lanes.trailing_zeros() as usize % LANES;
+            let lane = lanes.trailing_zeros() as usize % S::Rays::COUNT;
             lanes &= lanes - 1;
-            let (ray, hit) = (&self.rays[LANES * g + lane], &mut self.hits[LANES * g + lane]);
+            let (ray, hit) =
+                (&self.rays[S::Rays::COUNT * g + lane], &mut self.hits[S::Rays::COUNT * g + lane]);
             let search = Search { simd, ray, filter: self.filter, flags: self.flags };
             if self.others.visit::<S, ANY>(&search, surface, hit, stack) {
-                group.t.0[lane] = if ANY { f32::NEG_INFINITY } else { hit.t };
+                group.t.as_mut()[lane] = if ANY { f32::NEG_INFINITY } else { hit.t };
                 changed = true;
             }
         }

@@ -7,11 +7,10 @@ use super::stream::Strays;
 use super::tile::Tile;
 use super::traverse::{HitFilter, Others};
 use crate::geometry::{Hit, Ray};
-use crate::simd::{Kernel, LANES, Level, Simd};
+use crate::simd::{Kernel, Level, Simd, Vectors};
 
 /// Answers each of `rays`: the closest hit, or (`ANY`) whether there is any, in which case only
-/// [`Hit::surface`] has a meaning. `hits` holds the ends of the rays' ranges, or, if `known`, hits that there are
-/// already.
+/// [`Hit::surface`] has a meaning. If `known`, `hits` holds hits that there are already.
 pub(crate) fn search<const ANY: bool>(
     level: Level,
     tree: &Tree,
@@ -20,6 +19,9 @@ pub(crate) fn search<const ANY: bool>(
     (rays, hits, known): (&[Ray], &mut [Hit], bool),
 ) {
     if tree.nodes.is_empty() {
+        if !known {
+            forget(rays, hits);
+        }
         return;
     }
     let flags = filter.flags();
@@ -27,7 +29,15 @@ pub(crate) fn search<const ANY: bool>(
     let strays = level.run(Together::<_, ANY> { walk, known });
     if let Some(strays) = strays.filter(|strays| !strays.is_empty()) {
         let walk = Walk { tree, others, filter, flags, rays, hits };
-        level.run(InTurns::<_, ANY> { walk, strays });
+        level.of_eight().run(InTurns::<_, ANY> { walk, strays });
+    }
+}
+
+/// As many hits of nothing.
+#[inline(always)]
+pub(crate) fn forget(rays: &[Ray], hits: &mut [Hit]) {
+    for (ray, hit) in rays.iter().zip(hits) {
+        *hit = Hit::none(ray.t_max);
     }
 }
 
@@ -42,12 +52,12 @@ impl<O: Others, const ANY: bool> Kernel for Together<'_, O, ANY> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Option<Strays> {
-        const RAYS: usize = GROUPS * LANES;
+        let size = GROUPS * S::Rays::COUNT;
         let Walk { tree, others, filter, flags, rays, hits } = self.walk;
         let (mut tile, mut strays) = (Tile::new(simd), Strays::through::<S>(tree));
-        for (i, (rays, hits)) in rays.chunks(RAYS).zip(hits.chunks_mut(RAYS)).enumerate() {
+        for (i, (rays, hits)) in rays.chunks(size).zip(hits.chunks_mut(size)).enumerate() {
             let walk = Walk { tree, others, filter, flags, rays, hits };
-            tile.answer::<O, ANY>(walk, self.known, (RAYS * i, strays.as_mut()));
+            tile.answer::<O, ANY>(walk, self.known, (size * i, strays.as_mut()));
         }
         strays
     }

@@ -2,14 +2,29 @@
 //!
 //! Boulos et al., *Interval Arithmetic Culling*, 2006.
 
-use super::group::{Row, row};
 use super::layout::{EntryPlanes, Node, Plane};
-use crate::simd::{LANES, Lanes, Mask, Simd};
+use crate::simd::{LANES, Lanes, Mask, Simd, Vectors};
 
-/// Groups of eight rays in a tile, at most.
+/// Groups of rays in a tile, at most.
 pub(super) const GROUPS: usize = LANES;
 /// The place of the whole tile behind those of its groups.
 pub(super) const WHOLE: usize = GROUPS;
+
+/// Eight numbers, aligned.
+#[derive(Clone, Copy)]
+#[repr(C, align(32))]
+pub(super) struct Row(pub [f32; LANES]);
+
+impl Row {
+    /// Zeros.
+    const ZERO: Self = Self([0.0; LANES]);
+}
+
+/// Eight numbers to memory.
+#[inline(always)]
+fn row<F: Lanes<Row = [f32; LANES]>>(x: F) -> Row {
+    Row(x.to_array())
+}
 
 /// A number for each group, and one for the whole tile.
 #[derive(Clone, Copy)]
@@ -35,8 +50,8 @@ pub(super) struct Beams {
     near: [PerGroup; 3],
     far_scale: [PerGroup; 3],
     far: [PerGroup; 3],
-    /// How far each still looks.
-    pub t: PerGroup,
+    /// How far each group still looks.
+    pub reach: Row,
     /// Which planes they enter and leave boxes through.
     pub entry: &'static EntryPlanes,
 }
@@ -48,7 +63,7 @@ impl Beams {
         near: [PerGroup::ZERO; 3],
         far_scale: [PerGroup::ZERO; 3],
         far: [PerGroup::ZERO; 3],
-        t: PerGroup::ZERO,
+        reach: Row::ZERO,
         entry: &EntryPlanes { near: [Plane::LoX; 3], far: [Plane::HiX; 3] },
     };
 
@@ -92,7 +107,9 @@ impl Beams {
     /// Which of a node's boxes the beam at `place` may meet, and not before where.
     #[inline(always)]
     pub(super) fn meet_node<S: Simd>(&self, simd: S, place: usize, node: &Node) -> (u32, S::F) {
-        let (mut enter, mut leave) = (simd.splat(0.0), simd.splat(self.t.at(place)));
+        let reach = simd.load(&self.reach.0);
+        let reach = if place == WHOLE { reach.largest() } else { self.reach.0[place % GROUPS] };
+        let (mut enter, mut leave) = (simd.splat(0.0), simd.splat(reach));
         for axis in 0..3 {
             let near = simd.load(node.row(self.entry.near[axis]));
             let far = simd.load(node.row(self.entry.far[axis]));
@@ -107,7 +124,7 @@ impl Beams {
     /// Which groups may meet one box of a node.
     #[inline(always)]
     pub(super) fn meet_box<S: Simd>(&self, simd: S, node: &Node, slot: usize) -> u32 {
-        let (mut enter, mut leave) = (simd.splat(0.0), simd.load(&self.t.groups.0));
+        let (mut enter, mut leave) = (simd.splat(0.0), simd.load(&self.reach.0));
         for axis in 0..3 {
             let near = simd.splat(node.row(self.entry.near[axis])[slot]);
             let far = simd.splat(node.row(self.entry.far[axis])[slot]);
@@ -122,18 +139,23 @@ impl Beams {
     /// Notes how far a group still looks.
     #[inline(always)]
     pub(super) fn set_reach<S: Simd>(&mut self, simd: S, group: usize, t: f32) {
-        let groups = simd.splat(t).select(simd.mask(1 << group), simd.load(&self.t.groups.0));
-        self.t = PerGroup { groups: row(groups), whole: groups.largest() };
+        let reach = simd.load(&self.reach.0);
+        self.reach = row(simd.splat(t).select(simd.mask(1 << group), reach));
     }
 }
 
-/// The smallest and the largest of each row, as lanes.
+/// The smallest and the largest number of each group, as lanes.
 #[inline(always)]
-pub(super) fn extremes<S: Simd>(simd: S, rows: [S::F; LANES]) -> [S::F; 2] {
-    let columns = simd.transpose(rows);
-    let (mut lo, mut hi) = (columns[0], columns[0]);
-    for column in columns {
-        (lo, hi) = (lo.min(column), hi.max(column));
+pub(super) fn extremes<S: Simd>(simd: S, groups: &[<S::Rays as Vectors>::F; GROUPS]) -> [S::F; 2] {
+    let (mut lo, mut hi) = (simd.splat(f32::INFINITY), simd.splat(f32::NEG_INFINITY));
+    for part in 0..S::Rays::COUNT / LANES {
+        let mut rows = [lo; GROUPS];
+        for (row, &group) in rows.iter_mut().zip(groups) {
+            *row = simd.part(group, part);
+        }
+        for column in simd.transpose(rows) {
+            (lo, hi) = (lo.min(column), hi.max(column));
+        }
     }
     [lo, hi]
 }

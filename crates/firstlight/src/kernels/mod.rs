@@ -11,7 +11,7 @@ mod tile;
 mod traverse;
 mod triangles;
 
-pub(crate) use batch::search;
+pub(crate) use batch::{forget, search};
 pub(crate) use layout::{
     Child, Node, ONE_SIDED, PARTLY_THERE, Tree, TriangleBlock, Vertices, Word,
 };

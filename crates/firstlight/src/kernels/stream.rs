@@ -12,7 +12,7 @@ use super::order::Order;
 use super::traverse::{FLATTENED, Others, Search, Slabs, Stack};
 use super::triangles::Shear;
 use crate::geometry::{Hit, Ray};
-use crate::simd::{LANES, Lanes, Simd};
+use crate::simd::{Eight, LANES, Lanes, MOST, Simd, Vectors};
 use std::hint::select_unpredictable;
 
 /// Rays that are on their way at once.
@@ -40,8 +40,16 @@ impl Strays {
 
     /// Adds rays that start with number `first`, but for those whose answer is known.
     #[inline(always)]
-    pub(super) fn add<const ANY: bool>(&mut self, first: usize, rays: &[Ray], hits: &[Hit]) {
+    pub(super) fn add<const ANY: bool>(
+        &mut self,
+        first: usize,
+        rays: &[Ray],
+        (hits, known): (&mut [Hit], bool),
+    ) {
         for (i, (ray, hit)) in rays.iter().zip(hits).enumerate() {
+            if !known {
+                *hit = Hit::none(ray.t_max);
+            }
             if !(ANY && hit.is_some()) {
                 self.0[ray.octant() as usize % 8].push((first + i) as u32);
             }
@@ -85,7 +93,7 @@ impl<S: Simd> Walker<S> {
     /// Nowhere.
     #[inline(always)]
     fn nowhere(simd: S) -> Self {
-        let group = Group::EMPTY;
+        let group = Group::<S::Rays>::EMPTY;
         Self {
             slabs: group.slabs_of(simd, 0),
             shear: group.shear_of(simd, 0),
@@ -100,7 +108,7 @@ impl<S: Simd> Walker<S> {
 
     /// Sets out from the root with one ray of a group.
     #[inline(always)]
-    fn start(&mut self, simd: S, (group, lane): (&Group, usize), ray: u32, t: f32) {
+    fn start(&mut self, simd: S, (group, lane): (&Group<S::Rays>, usize), ray: u32, t: f32) {
         (self.slabs, self.shear) = (group.slabs_of(simd, lane), group.shear_of(simd, lane));
         (self.ray, self.t, self.at, self.top) = (ray, t, Child::node(0), 0);
     }
@@ -213,7 +221,7 @@ struct Stream<'a, S: Simd, O> {
     places: Places,
     walkers: &'a mut [Walker<S>; WALKERS],
     /// The rays that set out next.
-    group: Group,
+    group: Group<S::Rays>,
     /// For trees within the tree.
     inner: Stack,
 }
@@ -251,6 +259,17 @@ impl<'a, S: Simd, O: Others> Stream<'a, S, O> {
             self.meet::<ANY>(&mut crowd);
             next = self.set_out(rays, next, &mut crowd);
         }
+        if !ANY {
+            self.name(rays);
+        }
+    }
+
+    /// Names the surfaces that `rays` have hit.
+    #[inline(always)]
+    fn name(&mut self, rays: &[u32]) {
+        for &ray in rays {
+            self.walk.others.name(std::slice::from_mut(&mut self.walk.hits[ray as usize]));
+        }
     }
 
     /// Idle walkers take up rays from number `next` on; returns that of the ray after them.
@@ -258,14 +277,14 @@ impl<'a, S: Simd, O: Others> Stream<'a, S, O> {
     fn set_out(&mut self, rays: &[u32], mut next: usize, crowd: &mut Crowd) -> usize {
         while next < rays.len() {
             let Some(walker) = crowd.idle.next() else { break };
-            if next.is_multiple_of(LANES) {
+            if next.is_multiple_of(S::Rays::COUNT) {
                 let last = rays.len() - 1;
                 let ray = |lane| &self.walk.rays[rays[last.min(next + lane)] as usize];
-                let group = std::array::from_fn(ray);
-                self.group.load(self.simd, group);
-                self.group.prepare(self.simd, self.walk.tree.reach);
+                let group: [_; MOST] = std::array::from_fn(ray);
+                self.group.load(self.simd, &group[..S::Rays::COUNT]);
+                self.group.prepare(self.simd.rays(), self.walk.tree.reach);
             }
-            let (ray, group) = (rays[next], (&self.group, next % LANES));
+            let (ray, group) = (rays[next], (&self.group, next % S::Rays::COUNT));
             let t = self.walk.hits[ray as usize].t;
             self.walkers[walker].start(self.simd, group, ray, t);
             crowd.at_nodes.0 |= 1 << walker;

@@ -11,14 +11,14 @@
 //! end, so that they are culled as if they came from the light.
 
 use super::alone::Walk;
-use super::beams::{Beams, GROUPS, PerGroup, WHOLE, extremes};
-use super::group::{Group, Row, load, row};
+use super::beams::{Beams, GROUPS, Row, WHOLE, extremes};
+use super::group::{Group, all, load};
 use super::layout::{Child, EntryPlanes, Node, Target, Tree, TriangleBlock};
 use super::stream::Strays;
 use super::traverse::{FLATTENED, Others, PAD, Search, Stack};
 use super::triangles::{accept, cross, plane_distances};
 use crate::geometry::{Hit, Ray};
-use crate::simd::{LANES, Lanes, Mask, Simd};
+use crate::simd::{LANES, Lanes, MOST, Mask, Simd, Vectors};
 use std::ops::Range;
 
 /// Groups with fewer live rays than this are walked on ray by ray.
@@ -39,7 +39,7 @@ struct Entry {
 /// Up to 64 coherent rays on their way through a tree.
 pub(super) struct Tile<S: Simd> {
     simd: S,
-    groups: [Group; GROUPS],
+    groups: [Group<S::Rays>; GROUPS],
     /// The signs of each group's directions as bits, if it goes together.
     octants: [Option<u32>; GROUPS],
     beams: Beams,
@@ -78,21 +78,24 @@ impl<S: Simd> Tile<S> {
         known: bool,
         (base, mut strays): (usize, Option<&mut Strays>),
     ) {
-        let count = walk.rays.len().div_ceil(LANES);
+        let count = walk.rays.len().div_ceil(S::Rays::COUNT);
         for g in 0..count {
-            let lanes = LANES * g..walk.rays.len().min(LANES * (g + 1));
-            let (rays, hits) = (&walk.rays[lanes.clone()], &walk.hits[lanes]);
+            let lanes = S::Rays::COUNT * g..walk.rays.len().min(S::Rays::COUNT * (g + 1));
+            let (rays, hits) = (&walk.rays[lanes.clone()], &mut walk.hits[lanes]);
+            self.prefetch_next(rays);
             // Most that do not go together differ in the first and the last.
             let apart = strays.is_some() && rays[0].octant() != rays[rays.len() - 1].octant();
             let octant = if apart { None } else { self.load(g, rays) };
             if octant.is_some() || strays.is_none() {
-                self.prepare::<ANY>(g, walk.tree.reach, known.then_some(hits));
+                self.prepare::<ANY>(g, walk.tree.reach, (hits, known));
             }
             let group = &self.groups[g % GROUPS];
             self.octants[g % GROUPS] = octant.filter(|_| group.goes_one_way());
             match &mut strays {
                 _ if self.octants[g % GROUPS].is_some() => {}
-                Some(strays) => strays.add::<ANY>(base + LANES * g, rays, hits),
+                Some(strays) => {
+                    strays.add::<ANY>(base + S::Rays::COUNT * g, rays, (hits, known));
+                }
                 None => self.alone::<O, ANY>(g, &mut walk),
             }
         }
@@ -104,26 +107,43 @@ impl<S: Simd> Tile<S> {
             }
             first = end.max(first + 1);
         }
+        if !ANY {
+            walk.others.name(walk.hits);
+        }
+    }
+
+    /// Asks for the rays of the next tile, as far as they stand where these do in this one.
+    #[inline(always)]
+    fn prefetch_next(&self, rays: &[Ray]) {
+        for part in 0..S::Rays::COUNT / LANES {
+            let next = rays.as_ptr().wrapping_add(GROUPS * S::Rays::COUNT + LANES * part);
+            self.simd.prefetch(next.cast::<[Ray; LANES]>());
+        }
     }
 
     /// Takes up the rays of a group. Returns the signs of their directions as bits, if they agree.
     #[inline(always)]
     fn load(&mut self, g: usize, rays: &[Ray]) -> Option<u32> {
         let group = &mut self.groups[g % GROUPS];
-        match rays.first_chunk() {
-            Some(rays) => group.load(self.simd, rays.each_ref()),
-            None => group.load_some(self.simd, rays),
-        }
+        let padded: [_; MOST] = std::array::from_fn(|lane| &rays[lane.min(rays.len() - 1)]);
+        group.load(self.simd, &padded[..rays.len().min(S::Rays::COUNT)]);
         group.octant()
     }
 
-    /// Prepares the rays of a group, some of which may have hits already.
+    /// Prepares the rays of a group, some of which may have hits that are known; else all hits become those of nothing.
     #[inline(always)]
-    fn prepare<const ANY: bool>(&mut self, g: usize, reach: f32, known: Option<&[Hit]>) {
+    fn prepare<const ANY: bool>(
+        &mut self,
+        g: usize,
+        reach: f32,
+        (hits, known): (&mut [Hit], bool),
+    ) {
         let group = &mut self.groups[g % GROUPS];
-        group.prepare(self.simd, reach);
-        if let Some(hits) = known {
+        group.prepare(self.simd.rays(), reach);
+        if known {
             group.know::<ANY>(hits);
+        } else {
+            group.forget(hits);
         }
     }
 
@@ -131,7 +151,7 @@ impl<S: Simd> Tile<S> {
     #[inline(always)]
     fn alone<O: Others, const ANY: bool>(&mut self, g: usize, walk: &mut Walk<O>) {
         let group = &mut self.groups[g % GROUPS];
-        let (looking, start) = (group.looking(self.simd), Child::node(0));
+        let (looking, start) = (group.looking(self.simd.rays()), Child::node(0));
         walk.alone::<S, ANY>(self.simd, (g, group), looking, start, &mut self.single);
     }
 
@@ -159,7 +179,7 @@ impl<S: Simd> Tile<S> {
         while self.len > 0 {
             self.len -= 1;
             let entry = self.stack[self.len % STACK];
-            let reach = self.simd.load(&self.beams.t.groups.0);
+            let reach = self.simd.load(&self.beams.reach.0);
             let groups = u32::from(entry.groups) & self.simd.splat(entry.near).le(reach).bits();
             let node = &walk.tree.nodes[entry.node as usize];
             let slot = usize::from(entry.slot) % LANES;
@@ -181,7 +201,7 @@ impl<S: Simd> Tile<S> {
         while rest != 0 {
             let g = rest.trailing_zeros() as usize % GROUPS;
             rest &= rest - 1;
-            let lanes = self.groups[g].meet_box(self.simd, node, slot, self.entry);
+            let lanes = self.groups[g].meet_box(self.simd.rays(), node, slot, self.entry);
             met |= u32::from(lanes != 0) << g;
         }
         met
@@ -199,7 +219,7 @@ impl<S: Simd> Tile<S> {
         while groups != 0 {
             let g = groups.trailing_zeros() as usize % GROUPS;
             groups &= groups - 1;
-            let lanes = self.groups[g].meet_box(self.simd, node, slot, self.entry);
+            let lanes = self.groups[g].meet_box(self.simd.rays(), node, slot, self.entry);
             self.wasted += if lanes == 0 { 1 } else { -1 };
             if lanes == 0 {
                 continue;
@@ -225,7 +245,7 @@ impl<S: Simd> Tile<S> {
                 }
             };
             if changed {
-                let t = self.simd.load(&self.groups[g].t.0).largest();
+                let t = self.simd.rays().load(&self.groups[g].t).largest();
                 self.beams.set_reach(self.simd, g, t);
             }
         }
@@ -240,13 +260,13 @@ impl<S: Simd> Tile<S> {
         block: &TriangleBlock,
         walk: &mut Walk<O>,
     ) -> bool {
-        let points = self.groups[g].across(self.simd, block);
+        let points = self.groups[g].across(self.simd.rays(), block);
         let mut changed = false;
         for triangle in 0..block.len() % (LANES + 1) {
             let a = points[block.corner_vertex(0, triangle)];
             let b = points[block.corner_vertex(1, triangle)];
             let c = points[block.corner_vertex(2, triangle)];
-            let (crossed, weights) = cross(self.simd, a, b, c);
+            let (crossed, weights) = cross(self.simd.rays(), a, b, c);
             if crossed & lanes != 0 {
                 changed |=
                     self.take::<O, ANY>(g, crossed & lanes, (block, triangle), weights, walk);
@@ -263,13 +283,13 @@ impl<S: Simd> Tile<S> {
         g: usize,
         crossed: u32,
         (block, triangle): (&TriangleBlock, usize),
-        weights: [S::F; 3],
+        weights: [<S::Rays as Vectors>::F; 3],
         walk: &mut Walk<O>,
     ) -> bool {
-        let (simd, group) = (self.simd, &mut self.groups[g]);
+        let (simd, group) = (self.simd.rays(), &mut self.groups[g]);
         let (origin, direction) = (load(simd, &group.origin), load(simd, &group.direction));
         let t = plane_distances(simd, origin, direction, block.triangle(triangle));
-        let (t_min, t_max) = (simd.load(&group.t_min.0), simd.load(&group.t.0));
+        let (t_min, t_max) = (simd.load(&group.t_min), simd.load(&group.t));
         let word = walk.tree.word(block, triangle);
         // Where t is not a number, or equals that of the hit there is, the scalar test decides.
         let nearer = t_min.lt(t) & t.lt(t_max);
@@ -278,16 +298,17 @@ impl<S: Simd> Tile<S> {
         let asked = word.flags() & walk.flags != 0;
         let clear = if asked { 0 } else { nearer.bits() & crossed };
         let reach = if ANY { simd.splat(f32::NEG_INFINITY) } else { t };
-        group.t = row(reach.select(simd.mask(clear), t_max));
+        group.t = reach.select(simd.mask(clear), t_max).to_array();
         let scale = simd.splat(1.0) / (weights[0] + weights[1] + weights[2]);
         let (u, v) = ((weights[1] * scale).to_array(), (weights[2] * scale).to_array());
         let (t, surface, primitive) = (t.to_array(), FLATTENED, word.number());
+        let (t, u, v) = (t.as_ref(), u.as_ref(), v.as_ref());
         let mut rest = clear;
         while rest != 0 {
-            let lane = rest.trailing_zeros() as usize % LANES;
+            let lane = rest.trailing_zeros() as usize % S::Rays::COUNT;
             rest &= rest - 1;
             let hit = Hit { t: t[lane], u: u[lane], v: v[lane], surface, primitive };
-            walk.hits[LANES * g + lane] = hit;
+            walk.hits[S::Rays::COUNT * g + lane] = hit;
         }
         let unclear = crossed & !clear & !out;
         let tried =
@@ -302,20 +323,22 @@ impl<S: Simd> Tile<S> {
         g: usize,
         mut rays: u32,
         (block, triangle): (&TriangleBlock, usize),
-        weights: [S::F; 3],
+        weights: [<S::Rays as Vectors>::F; 3],
         walk: &mut Walk<O>,
     ) -> bool {
         let weights = [weights[0].to_array(), weights[1].to_array(), weights[2].to_array()];
+        let weights = [weights[0].as_ref(), weights[1].as_ref(), weights[2].as_ref()];
         let mut taken = false;
         while rays != 0 {
-            let lane = rays.trailing_zeros() as usize % LANES;
+            let lane = rays.trailing_zeros() as usize % S::Rays::COUNT;
             rays &= rays - 1;
-            let (ray, hit) = (&walk.rays[LANES * g + lane], &mut walk.hits[LANES * g + lane]);
+            let number = S::Rays::COUNT * g + lane;
+            let (ray, hit) = (&walk.rays[number], &mut walk.hits[number]);
             let search = Search { simd: self.simd, ray, filter: walk.filter, flags: walk.flags };
             let weights = [weights[0][lane], weights[1][lane], weights[2][lane]];
             let triangle = (walk.tree, block, triangle);
             if accept(&search, ray, triangle, weights, FLATTENED, hit) {
-                self.groups[g].t.0[lane] = if ANY { f32::NEG_INFINITY } else { hit.t };
+                self.groups[g].t.as_mut()[lane] = if ANY { f32::NEG_INFINITY } else { hit.t };
                 taken = true;
             }
         }
@@ -373,27 +396,32 @@ impl<S: Simd> Tile<S> {
         let pad = 4.0 * PAD * (magnitude + reach);
         for axis in 0..3 {
             let [scale, apex] = self.rows(range, axis, ends.is_some());
-            let (scale, apex) = (extremes(self.simd, scale), extremes(self.simd, apex));
+            let (scale, apex) = (extremes(self.simd, &scale), extremes(self.simd, &apex));
             self.beams.set(self.simd, axis, scale, apex, pad);
         }
         let mut reach = Row([f32::NEG_INFINITY; LANES]);
         for g in range.clone() {
-            reach.0[g % GROUPS] = self.simd.load(&self.groups[g % GROUPS].t.0).largest();
+            reach.0[g % GROUPS] = self.simd.rays().load(&self.groups[g % GROUPS].t).largest();
         }
-        self.beams.t = PerGroup { groups: reach, whole: self.simd.load(&reach.0).largest() };
+        self.beams.reach = reach;
     }
 
     /// Reciprocal directions and apexes of all groups along one axis, seen from the ends of the rays if `reversed`;
     /// groups outside `range` count as its first.
     #[inline(always)]
-    fn rows(&self, range: &Range<usize>, axis: usize, reversed: bool) -> [[S::F; GROUPS]; 2] {
-        let simd = self.simd;
+    fn rows(
+        &self,
+        range: &Range<usize>,
+        axis: usize,
+        reversed: bool,
+    ) -> [[<S::Rays as Vectors>::F; GROUPS]; 2] {
+        let simd = self.simd.rays();
         let zero = simd.splat(0.0);
         let (mut scales, mut apexes) = ([zero; GROUPS], [zero; GROUPS]);
         for (g, (scale, apex)) in scales.iter_mut().zip(&mut apexes).enumerate() {
             let group = &self.groups[if range.contains(&g) { g } else { range.start } % GROUPS];
-            *scale = simd.load(&group.scale[axis].0);
-            *apex = simd.load(&group.origin[axis].0);
+            *scale = simd.load(&group.scale[axis]);
+            *apex = simd.load(&group.origin[axis]);
             if reversed {
                 (*scale, *apex) = (zero - *scale, group.end(simd, axis));
             }
@@ -404,7 +432,7 @@ impl<S: Simd> Tile<S> {
     /// The largest coordinate of the rays' ends, if these lie closer together than the origins.
     #[inline(always)]
     fn converging(&self, range: &Range<usize>) -> Option<f32> {
-        let simd = self.simd;
+        let simd = self.simd.rays();
         let infinite = simd.splat(f32::INFINITY);
         let (mut origins, mut ends, mut magnitude) = (0.0_f32, 0.0_f32, 0.0_f32);
         for axis in 0..3 {
@@ -412,8 +440,8 @@ impl<S: Simd> Tile<S> {
             let mut end_hi = hi;
             for g in range.clone() {
                 let group = &self.groups[g % GROUPS];
-                let (origin, end) = (simd.load(&group.origin[axis].0), group.end(simd, axis));
-                if end.abs().lt(infinite).bits() != (1 << LANES) - 1 {
+                let (origin, end) = (simd.load(&group.origin[axis]), group.end(simd, axis));
+                if end.abs().lt(infinite).bits() != all::<S::Rays>() {
                     return None;
                 }
                 (lo, hi) = (lo.min(origin), hi.max(origin));

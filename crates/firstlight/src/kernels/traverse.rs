@@ -5,7 +5,7 @@
 //! test's shear, which costs nothing per box (after Ize, *Robust BVH Ray Traversal*, JCGT 2(2), 2013).
 
 use super::layout::{Child, EntryPlanes, Node, Target, Tree, TriangleBlock};
-use super::triangles::{Shear, accept};
+use super::triangles::{Shear, accept, reciprocal};
 use crate::geometry::{Hit, Ray};
 use crate::simd::{LANES, Lanes, Mask, Simd};
 
@@ -37,6 +37,9 @@ pub(crate) trait Others: Sync {
         hit: &mut Hit,
         stack: &mut Stack,
     ) -> bool;
+
+    /// Names the surfaces of hits that are [`FLATTENED`].
+    fn name(&self, hits: &mut [Hit]);
 }
 
 /// What stays the same while one ray looks for its hit.
@@ -275,7 +278,7 @@ impl<S: Simd> Slabs<S> {
         let (mut scale, mut near, mut far) = ([zero; 3], [zero; 3], [zero; 3]);
         for axis in 0..3 {
             let (o, d) = (ray.origin[axis], ray.direction[axis]);
-            let reciprocal = 1.0 / d.abs().max(SMALLEST).copysign(d);
+            let reciprocal = reciprocal(d);
             let pad = pad.copysign(reciprocal);
             scale[axis] = simd.splat(reciprocal);
             near[axis] = simd.splat(-(o + pad) * reciprocal);

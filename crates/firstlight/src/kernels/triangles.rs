@@ -4,23 +4,23 @@
 //! out exactly zero count as inside (no second evaluation: at worst a ray hits both neighbours, never neither), and
 //! the distance of a triangle that was hit is computed again in double precision, so that its sign is right for rays
 //! that start next to it (see [`plane_distance`]). No fused operation takes part in either, and one ray against eight
-//! triangles takes the same roundings as eight rays against one, so that every way gives the same bits.
+//! triangles takes the same roundings as many rays against one, so that every way gives the same bits.
 
 use super::layout::{Axis, Tree, TriangleBlock};
-use super::traverse::Search;
+use super::traverse::{SMALLEST, Search};
 use crate::geometry::triangle::plane_distance;
 use crate::geometry::{Hit, Ray};
-use crate::simd::{Lanes, Mask, Simd};
+use crate::simd::{Eight, Lanes, Mask, Simd, Vectors};
 use glam::Vec3;
 
-/// Rays prepared for triangles: shears that make them the z axis. One ray in every lane, or eight.
+/// Rays prepared for triangles: shears that make them the z axis. One ray in every lane, or as many as there are lanes.
 #[derive(Clone, Copy)]
-pub(super) struct Shear<S: Simd> {
+pub(super) struct Shear<V: Vectors> {
     /// The order of the axes; the last is the rays' largest.
     pub axes: [Axis; 3],
     /// Shear along the first two, and the origin in this order.
-    pub shear: [S::F; 2],
-    pub origin: [S::F; 3],
+    pub shear: [V::F; 2],
+    pub origin: [V::F; 3],
 }
 
 /// The order of the axes for a ray whose largest is number `z`: from a table, as nobody could foresee a branch.
@@ -35,6 +35,21 @@ pub(super) fn axes(z: usize) -> [Axis; 3] {
     ORDERS[z % 4]
 }
 
+/// The reciprocal of a direction's coordinate, which is kept away from zero.
+#[inline(always)]
+pub(super) fn reciprocal(x: f32) -> f32 {
+    1.0 / x.abs().max(SMALLEST).copysign(x)
+}
+
+impl<V: Vectors> Shear<V> {
+    /// A point's x, y, z, in the order of `axes`, with the rays as z axis: x and y.
+    #[inline(always)]
+    pub(super) fn apply(&self, x: V::F, y: V::F, z: V::F) -> (V::F, V::F) {
+        let z = z - self.origin[2];
+        (x - self.origin[0] - self.shear[0] * z, y - self.origin[1] - self.shear[1] * z)
+    }
+}
+
 impl<S: Simd> Shear<S> {
     /// One ray in every lane.
     #[inline(always)]
@@ -42,18 +57,12 @@ impl<S: Simd> Shear<S> {
         let (o, d) = (ray.origin, ray.direction);
         let axes = axes(d.abs().max_position());
         let [x, y, z] = axes.map(|axis| axis as usize);
+        let scale = reciprocal(d[z]);
         Self {
             axes,
-            shear: [simd.splat(d[x] / d[z]), simd.splat(d[y] / d[z])],
+            shear: [simd.splat(d[x] * scale), simd.splat(d[y] * scale)],
             origin: [simd.splat(o[x]), simd.splat(o[y]), simd.splat(o[z])],
         }
-    }
-
-    /// A point's x, y, z, in the order of `axes`, with the rays as z axis: x and y.
-    #[inline(always)]
-    pub(super) fn apply(&self, x: S::F, y: S::F, z: S::F) -> (S::F, S::F) {
-        let z = z - self.origin[2];
-        (x - self.origin[0] - self.shear[0] * z, y - self.origin[1] - self.shear[1] * z)
     }
 
     /// One ray: which triangles of a block its line crosses, and the weights of their corners (not normalised).
@@ -78,7 +87,7 @@ impl<S: Simd> Shear<S> {
 /// (not normalised). Products and differences are rounded one by one, so that neighbours agree about their edge.
 #[inline(always)]
 pub(super) fn cross<F: Lanes>(
-    simd: impl Simd<F = F>,
+    simd: impl Vectors<F = F>,
     a: (F, F),
     b: (F, F),
     c: (F, F),
@@ -125,7 +134,7 @@ pub(super) fn accept<S>(
 /// Distance to a triangle that was hit; for one without area, to the point with the given weights times `scale`.
 #[inline(always)]
 fn distance(ray: &Ray, corners: [Vec3; 3], weights: [f32; 3], scale: f32) -> f32 {
-    let t = plane_distance(ray.origin, ray.direction, corners) as f32;
+    let t = plane_distance(ray.origin, ray.direction, corners);
     if t.is_finite() {
         return t;
     }
@@ -133,14 +142,14 @@ fn distance(ray: &Ray, corners: [Vec3; 3], weights: [f32; 3], scale: f32) -> f32
     (point * scale - ray.origin).dot(ray.direction) / ray.direction.length_squared()
 }
 
-/// [`plane_distance`] of eight rays to one triangle, with the same roundings.
+/// [`plane_distance`] of rays to one triangle, with the same roundings.
 #[inline(always)]
-pub(super) fn plane_distances<S: Simd>(
-    simd: S,
-    origin: [S::F; 3],
-    direction: [S::F; 3],
+pub(super) fn plane_distances<V: Vectors>(
+    simd: V,
+    origin: [V::F; 3],
+    direction: [V::F; 3],
     corners: [Vec3; 3],
-) -> S::F {
+) -> V::F {
     let [a, b, c] = [corners[0].as_dvec3(), corners[1].as_dvec3(), corners[2].as_dvec3()];
     let normal = (b - a).cross(c - a);
     let [ox, oy, oz] = [origin[0].to_doubles(), origin[1].to_doubles(), origin[2].to_doubles()];
@@ -149,11 +158,12 @@ pub(super) fn plane_distances<S: Simd>(
     let [nx, ny, nz] =
         [simd.splat_f64(normal.x), simd.splat_f64(normal.y), simd.splat_f64(normal.z)];
     let [ax, ay, az] = [simd.splat_f64(a.x), simd.splat_f64(a.y), simd.splat_f64(a.z)];
-    let lo = (nx * (ax - ox[0]) + ny * (ay - oy[0]) + nz * (az - oz[0]))
-        / (nx * dx[0] + ny * dy[0] + nz * dz[0]);
-    let hi = (nx * (ax - ox[1]) + ny * (ay - oy[1]) + nz * (az - oz[1]))
-        / (nx * dx[1] + ny * dy[1] + nz * dz[1]);
-    S::F::from_doubles([lo, hi])
+    let along = [
+        nx * (ax - ox[0]) + ny * (ay - oy[0]) + nz * (az - oz[0]),
+        nx * (ax - ox[1]) + ny * (ay - oy[1]) + nz * (az - oz[1]),
+    ];
+    let slope = [nx * dx[0] + ny * dy[0] + nz * dz[0], nx * dx[1] + ny * dy[1] + nz * dz[1]];
+    V::F::from_doubles(along) / V::F::from_doubles(slope)
 }
 
 #[inline(never)]

@@ -3,6 +3,8 @@
 #![allow(unsafe_code)]
 
 use super::{Simd, portable::Portable};
+#[cfg(target_arch = "x86_64")]
+use super::{avx512::Sixteen, x86::X86};
 
 /// A set of SIMD instructions that this processor has; only detection hands one out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -13,6 +15,8 @@ enum Set {
     Portable,
     #[cfg(target_arch = "x86_64")]
     Avx2,
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
 }
 
 /// A loop that is compiled once per level. `run` must be `#[inline(always)]`, as must all it calls with `simd`.
@@ -37,6 +41,10 @@ impl Level {
         if has_avx2() {
             levels.push(Self(Set::Avx2));
         }
+        #[cfg(target_arch = "x86_64")]
+        if has_avx512() {
+            levels.push(Self(Set::Avx512));
+        }
         levels
     }
 
@@ -46,6 +54,18 @@ impl Level {
             Set::Portable => "portable",
             #[cfg(target_arch = "x86_64")]
             Set::Avx2 => "avx2",
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx512 => "avx512",
+        }
+    }
+
+    /// The same, for kernels that have no use for vectors of more than eight: the compiler moves what they hold in larger
+    /// pieces than they read, and the processor then has to wait for both.
+    pub(crate) fn of_eight(self) -> Self {
+        match self.0 {
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx512 => Self(Set::Avx2),
+            _ => self,
         }
     }
 
@@ -56,6 +76,9 @@ impl Level {
             // SAFETY: `Set::Avx2` is only made after all its features were detected.
             #[cfg(target_arch = "x86_64")]
             Set::Avx2 => unsafe { run_avx2(kernel) },
+            // SAFETY: `Set::Avx512` is only made after all its features were detected.
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx512 => unsafe { run_avx512(kernel) },
         }
     }
 }
@@ -74,5 +97,24 @@ fn has_avx2() -> bool {
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
-    kernel.run(super::x86::Avx2::detected())
+    kernel.run(X86::detected(()))
+}
+
+/// What Ice Lake and Zen 4 brought; processors before them slow down where much of AVX-512 is used.
+#[cfg(target_arch = "x86_64")]
+fn has_avx512() -> bool {
+    has_avx2()
+        && is_x86_feature_detected!("avx512f")
+        && is_x86_feature_detected!("avx512vl")
+        && is_x86_feature_detected!("avx512dq")
+        && is_x86_feature_detected!("avx512bw")
+        && is_x86_feature_detected!("avx512vbmi2")
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(
+    enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vl,avx512dq,avx512bw,avx512vbmi2"
+)]
+fn run_avx512<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run(X86::detected(Sixteen::detected()))
 }

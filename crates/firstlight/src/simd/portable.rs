@@ -1,6 +1,6 @@
 //! The level every processor has: arrays that the compiler vectorises as it can.
 
-use super::{Doubles, LANES, Lanes, Mask, Simd};
+use super::{Doubles, Eight, LANES, Lanes, MOST, Mask, Simd, Vectors};
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
 /// No special instructions.
@@ -19,9 +19,10 @@ pub(crate) struct DoubleArray([f64; LANES / 2]);
 #[derive(Clone, Copy)]
 pub(crate) struct Bits(u32);
 
-impl Simd for Portable {
-    const PERMUTES: bool = false;
+impl Vectors for Portable {
+    const ZERO: Self::Row = [0.0; LANES];
 
+    type Row = [f32; LANES];
     type F = Array;
     type M = Bits;
     type D = DoubleArray;
@@ -44,6 +45,27 @@ impl Simd for Portable {
     #[inline(always)]
     fn mask(self, bits: u32) -> Bits {
         Bits(bits)
+    }
+}
+
+impl Simd for Portable {
+    const PERMUTES: bool = false;
+
+    type Rays = Self;
+
+    #[inline(always)]
+    fn rays(self) -> Self {
+        self
+    }
+
+    #[inline(always)]
+    fn part(self, x: Array, _: usize) -> Array {
+        x
+    }
+
+    #[inline(always)]
+    fn columns(self, rows: &[[f32; LANES]; MOST]) -> [Array; LANES] {
+        self.transpose(std::array::from_fn(|lane| Array(rows[lane])))
     }
 
     #[inline(always)]
@@ -104,6 +126,7 @@ operator!(DoubleArray, Div, div, /);
 impl Doubles for DoubleArray {}
 
 impl Lanes for Array {
+    type Row = [f32; LANES];
     type Mask = Bits;
     type D = DoubleArray;
 
@@ -163,11 +186,6 @@ impl Lanes for Array {
     }
 
     #[inline(always)]
-    fn permute(self, indices: &[u8; LANES]) -> Self {
-        Self(indices.map(|i| self.0[usize::from(i) % LANES]))
-    }
-
-    #[inline(always)]
     fn smallest(self) -> f32 {
         self.0.into_iter().fold(f32::INFINITY, f32::min)
     }
@@ -192,6 +210,13 @@ impl Lanes for Array {
     #[inline(always)]
     fn to_array(self) -> [f32; LANES] {
         self.0
+    }
+}
+
+impl Eight for Array {
+    #[inline(always)]
+    fn permute(self, indices: &[u8; LANES]) -> Self {
+        Self(indices.map(|i| self.0[usize::from(i) % LANES]))
     }
 }
 

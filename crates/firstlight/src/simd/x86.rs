@@ -1,18 +1,83 @@
-//! AVX2 with FMA.
+//! AVX2 with FMA: eight floats at a time.
 
 #![allow(unsafe_code)]
 
-use super::{Doubles, LANES, Lanes, Mask, Simd};
+use super::{Doubles, Eight, LANES, Lanes, MOST, Mask, Simd, Vectors};
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
-/// Proof that the processor has AVX2 and FMA.
+/// Proof that the processor has AVX2 and FMA, and what its vectors for rays need.
 #[derive(Clone, Copy)]
-pub(crate) struct Avx2(());
+pub(crate) struct X86<R>(pub(super) R);
+
+/// AVX2 and nothing more.
+pub(crate) type Avx2 = X86<()>;
+
+/// Vectors for rays.
+pub(crate) trait RayVectors: Copy {
+    /// Instructions for them.
+    type Rays: Vectors;
+    /// See [`Simd::rays`].
+    fn rays(eight: X86<Self>) -> Self::Rays;
+    /// See [`Simd::part`].
+    fn part(x: <Self::Rays as Vectors>::F, part: usize) -> F32x8;
+    /// See [`Simd::columns`].
+    fn columns(
+        eight: X86<Self>,
+        rows: &[[f32; LANES]; MOST],
+    ) -> [<Self::Rays as Vectors>::F; LANES];
+}
+
+/// Rays in vectors of eight.
+impl RayVectors for () {
+    type Rays = Avx2;
+
+    #[inline(always)]
+    fn rays(eight: Avx2) -> Avx2 {
+        eight
+    }
+
+    #[inline(always)]
+    fn part(x: F32x8, _: usize) -> F32x8 {
+        x
+    }
+
+    #[inline(always)]
+    fn columns(_: Avx2, rows: &[[f32; LANES]; MOST]) -> [F32x8; LANES] {
+        /// Half of rows `i` and `i + 4`.
+        macro_rules! two {
+            ($half:expr, $i:expr) => {{
+                let [lo, hi] = [&rows[$i], &rows[$i + 4]].map(|row| row.as_ptr().add(4 * $half));
+                _mm256_insertf128_ps::<1>(
+                    _mm256_castps128_ps256(_mm_loadu_ps(lo)),
+                    _mm_loadu_ps(hi),
+                )
+            }};
+        }
+        /// Four columns.
+        macro_rules! four {
+            ($half:expr) => {{
+                let [a, b] = [two!($half, 0), two!($half, 1)];
+                let [c, d] = [two!($half, 2), two!($half, 3)];
+                let [ab, cd] = [_mm256_unpacklo_ps(a, b), _mm256_unpacklo_ps(c, d)];
+                let [ab2, cd2] = [_mm256_unpackhi_ps(a, b), _mm256_unpackhi_ps(c, d)];
+                [
+                    F32x8(_mm256_shuffle_ps::<0x44>(ab, cd)),
+                    F32x8(_mm256_shuffle_ps::<0xee>(ab, cd)),
+                    F32x8(_mm256_shuffle_ps::<0x44>(ab2, cd2)),
+                    F32x8(_mm256_shuffle_ps::<0xee>(ab2, cd2)),
+                ]
+            }};
+        }
+        // SAFETY: the first argument proves AVX2; halves of rows have the four numbers that are read, unaligned.
+        let ([a, b, c, d], [e, f, g, h]) = unsafe { (four!(0), four!(1)) };
+        [a, b, c, d, e, f, g, h]
+    }
+}
 
 /// Eight floats in a register; exists only where an [`Avx2`] does.
 #[derive(Clone, Copy)]
-pub(crate) struct F32x8(__m256);
+pub(crate) struct F32x8(pub(super) __m256);
 
 /// Four doubles in a register; exists only where an [`Avx2`] does.
 #[derive(Clone, Copy)]
@@ -22,17 +87,18 @@ pub(crate) struct F64x4(__m256d);
 #[derive(Clone, Copy)]
 pub(crate) struct Mask8(__m256);
 
-impl Avx2 {
+impl<R> X86<R> {
     /// The proof; callable only where the features are enabled.
     #[target_feature(enable = "avx2,fma")]
-    pub(super) fn detected() -> Self {
-        Self(())
+    pub(super) fn detected(rays: R) -> Self {
+        Self(rays)
     }
 }
 
-impl Simd for Avx2 {
-    const PERMUTES: bool = true;
+impl<R: Copy> Vectors for X86<R> {
+    const ZERO: Self::Row = [0.0; LANES];
 
+    type Row = [f32; LANES];
     type F = F32x8;
     type M = Mask8;
     type D = F64x4;
@@ -63,6 +129,27 @@ impl Simd for Avx2 {
             let set = _mm256_and_si256(_mm256_set1_epi32(bits as i32), bit);
             _mm256_castsi256_ps(_mm256_cmpeq_epi32(set, bit))
         })
+    }
+}
+
+impl<R: RayVectors> Simd for X86<R> {
+    const PERMUTES: bool = true;
+
+    type Rays = R::Rays;
+
+    #[inline(always)]
+    fn rays(self) -> R::Rays {
+        R::rays(self)
+    }
+
+    #[inline(always)]
+    fn part(self, x: <R::Rays as Vectors>::F, part: usize) -> F32x8 {
+        R::part(x, part)
+    }
+
+    #[inline(always)]
+    fn columns(self, rows: &[[f32; LANES]; MOST]) -> [<R::Rays as Vectors>::F; LANES] {
+        R::columns(self, rows)
     }
 
     #[inline(always)]
@@ -146,6 +233,7 @@ operator!(Mask8, BitOr, bitor, _mm256_or_ps);
 impl Doubles for F64x4 {}
 
 impl Lanes for F32x8 {
+    type Row = [f32; LANES];
     type Mask = Mask8;
     type D = F64x4;
 
@@ -215,15 +303,6 @@ impl Lanes for F32x8 {
     }
 
     #[inline(always)]
-    fn permute(self, indices: &[u8; LANES]) -> Self {
-        // SAFETY: values of this type exist only where AVX2 does; the array has the eight bytes that are read.
-        Self(unsafe {
-            let indices = _mm256_cvtepu8_epi32(_mm_loadl_epi64(indices.as_ptr().cast()));
-            _mm256_permutevar8x32_ps(self.0, indices)
-        })
-    }
-
-    #[inline(always)]
     fn smallest(self) -> f32 {
         // SAFETY: values of this type exist only where AVX2 does.
         unsafe {
@@ -268,6 +347,17 @@ impl Lanes for F32x8 {
         // SAFETY: the array has the 32 bytes that are written, unaligned.
         unsafe { _mm256_storeu_ps(array.as_mut_ptr(), self.0) };
         array
+    }
+}
+
+impl Eight for F32x8 {
+    #[inline(always)]
+    fn permute(self, indices: &[u8; LANES]) -> Self {
+        // SAFETY: values of this type exist only where AVX2 does; the array has the eight bytes that are read.
+        Self(unsafe {
+            let indices = _mm256_cvtepu8_epi32(_mm_loadl_epi64(indices.as_ptr().cast()));
+            _mm256_permutevar8x32_ps(self.0, indices)
+        })
     }
 }
 
