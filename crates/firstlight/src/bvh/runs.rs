@@ -41,37 +41,49 @@ impl Runs {
     /// The run of a triangle.
     #[inline(always)]
     pub(super) fn of(&self, number: u32) -> Run {
+        self.runs[self.index(number)]
+    }
+
+    #[inline(always)]
+    fn index(&self, number: u32) -> usize {
         let mut i = self.guide[(number >> self.shift) as usize] as usize;
         while self.runs.get(i + 1).is_some_and(|next| next.first <= number) {
             i += 1;
         }
-        self.runs[i]
+        i
     }
 
-    /// Names the surfaces of hits that only name triangles.
+    /// Names the surfaces of hits that only name triangles. Those that follow one another are mostly of the same.
     #[inline(always)]
     pub(super) fn name(&self, hits: &mut [Hit]) {
+        let (mut numbers, mut run) = (0..0, Run { first: 0, surface: 0, in_pairs: false });
         for hit in hits.iter_mut().filter(|hit| hit.surface == FLATTENED) {
-            *hit = self.of_triangle(hit);
+            if !numbers.contains(&hit.primitive) {
+                let i = self.index(hit.primitive);
+                run = self.runs[i];
+                numbers = run.first..self.runs.get(i + 1).map_or(u32::MAX, |next| next.first);
+            }
+            *hit = run.named(hit);
         }
     }
 
     /// A hit with its surface and its part of that; any other as it is.
     pub(super) fn named(&self, hit: &Hit) -> Hit {
-        if hit.surface == FLATTENED { self.of_triangle(hit) } else { *hit }
+        if hit.surface == FLATTENED { self.of(hit.primitive).named(hit) } else { *hit }
     }
+}
 
-    /// A triangle's hit with its surface and its part of that. What was hit cannot be foreseen, so that nothing branches on it.
+impl Run {
+    /// A hit of one of its triangles with its surface and its part of that. Nothing branches on what that is.
     #[inline(always)]
-    fn of_triangle(&self, hit: &Hit) -> Hit {
-        let Run { first, surface, in_pairs } = self.of(hit.primitive);
-        let weight = |weight| select_unpredictable(in_pairs, 0.0, weight);
+    fn named(&self, hit: &Hit) -> Hit {
+        let weight = |weight| select_unpredictable(self.in_pairs, 0.0, weight);
         Hit {
             t: hit.t,
             u: weight(hit.u),
             v: weight(hit.v),
-            surface,
-            primitive: (hit.primitive - first) >> u32::from(in_pairs),
+            surface: self.surface,
+            primitive: (hit.primitive - self.first) >> u32::from(self.in_pairs),
         }
     }
 }
