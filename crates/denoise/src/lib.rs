@@ -162,11 +162,12 @@ fn framed(pixels: &[Pixel], [width, height]: [usize; 2]) -> Vec<Pixel> {
     rows.flat_map(|row| mirrored(width).map(|x| row[x])).collect()
 }
 
-/// Places along a side of this length, and beyond both of its ends.
+/// Places along a side of this length, and beyond both of its ends. What is at an end is not doubled: two bright pixels
+/// side by side would be taken for a thing, not for noise.
 fn mirrored(length: usize) -> impl Iterator<Item = usize> {
-    let there_and_back = (0..length).chain((0..length).rev());
-    let turns = MARGIN.div_ceil(2 * length);
-    let start = 2 * length * turns - MARGIN;
+    let there_and_back = (0..length).chain((1..length.saturating_sub(1)).rev());
+    let period = (2 * length).saturating_sub(2).max(1);
+    let start = MARGIN.next_multiple_of(period) - MARGIN;
     there_and_back.cycle().skip(start).take(length + 2 * MARGIN)
 }
 
