@@ -150,6 +150,10 @@ pub(crate) struct RenderArgs {
     /// Layers to write beside the colour into an .exr file, such as depth,normal,light, or all; see docs/layers.md
     #[arg(long, value_name = "LAYERS", value_parser = layers, conflicts_with = "samples")]
     pub aov: Option<Layers>,
+    /// Write a copy without noise beside the picture, by Open Image Denoise: picture.denoised.png; with --samples, put into
+    /// the part what merge --denoise needs
+    #[arg(long)]
+    pub denoise: bool,
     /// Print a report as JSON on standard output
     #[arg(long)]
     pub json: bool,
@@ -249,6 +253,9 @@ pub(crate) struct MergeArgs {
     /// Make a picture even if there are samples missing
     #[arg(long)]
     pub partial: bool,
+    /// Write a copy without noise beside the picture, by Open Image Denoise; a part rendered with --denoise is needed
+    #[arg(long)]
+    pub denoise: bool,
     /// Print a report as JSON on standard output
     #[arg(long)]
     pub json: bool,
@@ -308,6 +315,7 @@ Examples:
   firstlight render part.stl --look clarity --section 0,0,0,1,0,0
   firstlight render scene.toml --time 30s
   firstlight render scene.toml --noise 2% --spp 4096
+  firstlight render scene.toml --spp 64 --denoise -o picture.png
   firstlight render scene.toml -o - --crop 100,80,64,64 > crop.png";
 
 /// The studio around a model file; a scene file says these things itself.

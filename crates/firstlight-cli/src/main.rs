@@ -3,6 +3,7 @@
 mod args;
 mod check;
 mod compare;
+mod denoise;
 mod drawing;
 mod explain;
 mod false_color;

@@ -1,9 +1,10 @@
 //! `firstlight merge`: one picture of parts that were rendered apart.
 
 use crate::args::MergeArgs;
+use crate::denoise::{Copy, Written};
 use crate::output::{Output, print_json};
-use crate::render::{Picture, write_picture};
-use crate::{Exit, Outcome, machine, report};
+use crate::render::{Picture, metadata, write_picture};
+use crate::{Exit, Failure, Outcome, machine, report};
 use firstlight::diagnostic::{Diagnostic, visible};
 use firstlight::io::{Limits, Part, PartInfo, load_part, merge_parts};
 use firstlight::render::Rendered;
@@ -18,20 +19,38 @@ pub(crate) fn run(args: &MergeArgs) -> Outcome {
         let part = load_part(path, &Limits { decoded_bytes })?;
         Ok((path.display().to_string(), part))
     };
-    let Part { info, film } = merge_parts(args.parts.iter().map(load))?;
+    let Part { info, film, guides } = merge_parts(args.parts.iter().map(load))?;
     check_missing(&info, args.partial)?;
     let stem = Path::new(&info.scene).file_stem().filter(|_| info.scene != "-");
     let output = Output::plan(&args.output, stem.unwrap_or(OsStr::new("scene")), args.json)?;
     let inputs = args.parts.iter().filter_map(|path| path.canonicalize().ok());
-    output.spare(&inputs.collect())?;
+    let inputs = inputs.collect();
+    output.spare(&inputs)?;
+    let copy = args.denoise.then(|| Copy::plan(&output, machine::processors())).transpose()?;
+    copy.iter().try_for_each(|copy| copy.spare(&inputs))?;
+    if copy.is_some() && guides.is_none() {
+        return Err(no_guides());
+    }
     let asked = args.exposure.map(|exposure| exposure.stops(LuminousEfficacy::default()));
     let stops = asked.unwrap_or(info.exposure);
     let view = args.view.unwrap_or(info.view);
     let rendered = Rendered::of_film(film, info.count());
     let picture = Picture::new(rendered, stops, view, output.format);
-    write_picture(&info, &picture, !args.output.no_dither, &output)?;
-    tell(args, &info, &picture, &output)?;
+    let (metadata, dither) = (metadata(&info, &picture), !args.output.no_dither);
+    write_picture(&picture.rendered.image, &picture, &metadata, dither, &output)?;
+    let denoised =
+        copy.zip(guides).map(|(copy, guides)| copy.write(&picture, &guides, metadata, dither));
+    // The picture is reported in any case.
+    tell(args, &info, &picture, &output, denoised.as_ref().and_then(|copy| copy.as_ref().ok()))?;
+    denoised.transpose()?;
     Ok(Exit::Done)
+}
+
+/// What there is to say if no part tells what is noise.
+fn no_guides() -> Failure {
+    let message = "no part has the albedo and normals that denoising goes by";
+    let help = "render one of the parts with --denoise as well; or leave it out here";
+    Diagnostic::new("--denoise", message).help(help).into()
 }
 
 /// Refuses to leave out samples unless that is wanted.
@@ -48,13 +67,20 @@ fn check_missing(info: &PartInfo, partial: bool) -> Outcome<()> {
     Err(Diagnostic::new("", message).help(help).into())
 }
 
-fn tell(args: &MergeArgs, info: &PartInfo, picture: &Picture, output: &Output) -> Outcome<()> {
+fn tell(
+    args: &MergeArgs,
+    info: &PartInfo,
+    picture: &Picture,
+    output: &Output,
+    denoised: Option<&Written>,
+) -> Outcome<()> {
     let rendered = &picture.rendered;
     let (width, height) = (rendered.image.width(), rendered.image.height());
     if args.json {
         return print_json(&json!({
             "parts": args.parts.len(),
             "output": output.name(),
+            "denoised": denoised.map(Written::json),
             "width": width,
             "height": height,
             "samples": info.count(),
@@ -71,6 +97,7 @@ fn tell(args: &MergeArgs, info: &PartInfo, picture: &Picture, output: &Output) -
         let line =
             format!("wrote {output}: {width}×{height}, {samples} spp of {count} {parts}{noise}");
         report::line(visible(&line));
+        denoised.iter().for_each(|copy| report::line(visible(&copy.line())));
     }
     Ok(())
 }

@@ -45,6 +45,23 @@ impl Output {
         Ok(output)
     }
 
+    /// A file beside it, called the same but for `word` before the extension.
+    pub(crate) fn beside(&self, word: &str) -> Outcome<Self> {
+        let Some(path) = &self.path else {
+            let message = format!("there is no place beside it for the {word} copy");
+            return Err(Diagnostic::new("-o -", message).help("name a file with -o").into());
+        };
+        let mut name = path.file_stem().unwrap_or_default().to_owned();
+        name.push(format!(".{word}"));
+        if let Some(extension) = path.extension() {
+            name.push(".");
+            name.push(extension);
+        }
+        let path = path.with_file_name(name);
+        check_path(&path)?;
+        Ok(Self { path: Some(path), format: self.format })
+    }
+
     /// The file as the user named it, or `-`.
     pub(crate) fn name(&self) -> String {
         self.path.as_ref().map_or("-".into(), |path| path.display().to_string())

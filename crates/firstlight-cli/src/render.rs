@@ -3,6 +3,7 @@
 use crate::args::{FormatName, OutputArgs, RenderArgs};
 use crate::check::triangles;
 use crate::compare::Reference;
+use crate::denoise::{self, Copy, Written};
 use crate::layers::{self, Scenes};
 use crate::machine::{self, Signal};
 use crate::output::{Output, print_json};
@@ -13,12 +14,12 @@ use firstlight::compare::Measured;
 use firstlight::diagnostic::{Diagnostic, Result, visible};
 use firstlight::doctor::{Care, Doctor};
 use firstlight::io::{Develop, Format, Metadata, PartInfo, Warnings, save, save_part};
-use firstlight::layers::LightLayers;
+use firstlight::layers::{Guides, LightLayers};
 use firstlight::render::{
-    Crop, PASS as SAMPLES_PER_PASS, Progress, RenderOptions, Rendered, Stop, render, render_layers,
-    with_threads,
+    Crop, PASS as SAMPLES_PER_PASS, Progress, RenderOptions, Rendered, Stop, render, render_guides,
+    render_layers, with_threads,
 };
-use firstlight::{Scene, SceneDescription, auto_exposure};
+use firstlight::{Image, Scene, SceneDescription, auto_exposure};
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -29,6 +30,8 @@ const PIXEL_BYTES: u64 = 96;
 const HALVED_PIXEL_BYTES: u64 = 176;
 /// Bytes of memory per pixel of a part: the sums three times over, on their way to the file.
 const PART_PIXEL_BYTES: u64 = 352;
+/// Bytes more where it is to be denoised: the guides, and framed copies of them and of the picture.
+const DENOISED_PIXEL_BYTES: u64 = 112;
 
 /// A picture with what it takes to show it.
 pub(crate) struct Picture {
@@ -45,10 +48,14 @@ pub(crate) fn run(args: RenderArgs) -> Outcome {
     layers::check_format(&args, &output)?;
     false_color::check_format(&args, &output)?;
     let threads = args.picture.threads();
+    let copies = args.denoise && args.samples.is_none();
+    let copy = copies.then(|| Copy::plan(&output, threads)).transpose()?;
     let mut warnings = Warnings::new();
     let access = args.picture.input.access();
     let scene = with_threads(threads, || args.picture.prepare(&access, &mut warnings))?;
     output.spare(&access.opened())?;
+    copy.iter().try_for_each(|copy| copy.spare(&access.opened()))?;
+    denoise::check(&args, &scene)?;
     check_size(&scene, &args)?;
     check_samples(&scene, args.samples)?;
     let size = args.crop.map_or([scene.film.width, scene.film.height], |c| [c.width, c.height]);
@@ -66,6 +73,11 @@ pub(crate) fn run(args: RenderArgs) -> Outcome {
     report::warnings(&warnings);
     clock.lap("check");
     let signal = Signal::listen();
+    let guides = args.denoise.then(|| {
+        let guides = render_guides(&built, threads, args.crop);
+        clock.lap("guides");
+        guides
+    });
     let (picture, lights) = draw(&args, threads, &built, output.format, &signal);
     clock.lap("render");
     let shown = verdict::shown(&picture, picture.rendered.noise);
@@ -78,9 +90,15 @@ pub(crate) fn run(args: RenderArgs) -> Outcome {
             let metadata = metadata(&info(&args, &scene, &picture), &picture);
             output.write(&layers::encode(wanted, &scenes, &picture, &lights, &metadata)?)?;
         }
-        _ => write(&args, &scenes, &picture, &output)?,
+        _ => write(&args, &scenes, &picture, guides.as_ref(), &output)?,
     }
     clock.lap("write");
+    let denoised = copy.zip(guides).map(|(copy, guides)| {
+        let metadata = metadata(&info(&args, &scene, &picture), &picture);
+        let written = copy.write(&picture, &guides, metadata, !args.output.no_dither);
+        clock.lap("denoise");
+        written
+    });
     let reference = reference.map(|reference| {
         let (film, exposure_ev) = (&picture.rendered.film, picture.exposure_ev as f32);
         let measured = Measured::of_film(film, Some(exposure_ev), picture.view);
@@ -88,9 +106,21 @@ pub(crate) fn run(args: RenderArgs) -> Outcome {
     });
     let differs = reference.as_ref().is_some_and(|(comparison, _)| !comparison.same);
     let reference = reference.map(|(_, json)| json);
-    let done =
-        Done { args: &args, scene, built, picture, output, threads, warnings, clock, reference };
+    let done = Done {
+        args: &args,
+        scene,
+        built,
+        picture,
+        output,
+        denoised,
+        threads,
+        warnings,
+        clock,
+        reference,
+    };
     done.report()?;
+    // The picture is reported in any case.
+    done.denoised.transpose()?;
     Ok(signal.exit().unwrap_or(match args.findings.strict && !done.warnings.is_empty() {
         true => Exit::Strict,
         false if differs => Exit::Differs,
@@ -138,7 +168,7 @@ fn check_size(scene: &SceneDescription, args: &RenderArgs) -> Result<()> {
         Some(_) => PART_PIXEL_BYTES,
         None if args.is_endless() => HALVED_PIXEL_BYTES,
         None => PIXEL_BYTES,
-    };
+    } + if args.denoise { DENOISED_PIXEL_BYTES } else { 0 };
     let needed = u64::from(crop.width) * u64::from(crop.height) * pixel_bytes;
     match machine::available_memory() {
         Some(available) if needed > available => Err(too_large(crop, needed, available)),
@@ -256,33 +286,35 @@ fn write(
     args: &RenderArgs,
     scenes: &Scenes<'_>,
     picture: &Picture,
+    guides: Option<&Guides>,
     output: &Output,
 ) -> Outcome<()> {
     let info = info(args, scenes.description, picture);
+    let metadata = metadata(&info, picture);
     if let Some(quantity) = args.false_color {
-        let (range, metadata) = (args.false_color_range, metadata(&info, picture));
-        let format = output.format;
+        let (range, format) = (args.false_color_range, output.format);
         let bytes = false_color::encode(quantity, range, scenes, picture, format, &metadata)?;
         return output.write(&bytes);
     }
     if args.samples.is_none() {
-        return write_picture(&info, picture, !args.output.no_dither, output);
+        let (image, dither) = (&picture.rendered.image, !args.output.no_dither);
+        return write_picture(image, picture, &metadata, dither, output);
     }
-    let saved = save_part(&info, &picture.rendered.film);
+    let saved = save_part(&info, &picture.rendered.film, guides);
     let bytes = saved.map_err(|error| Failure { exit: Exit::Failed, error })?;
     output.write(&bytes)
 }
 
-/// Writes a picture and how it was made.
+/// Writes an image as `picture` is to be shown, and how it was made.
 pub(crate) fn write_picture(
-    info: &PartInfo,
+    image: &Image,
     picture: &Picture,
+    metadata: &Metadata,
     dither: bool,
     output: &Output,
 ) -> Outcome<()> {
     let develop = Develop { exposure_ev: picture.exposure_ev as f32, view: picture.view, dither };
-    let metadata = metadata(info, picture);
-    let bytes = save(&picture.rendered.image, output.format, develop, &metadata)
+    let bytes = save(image, output.format, develop, metadata)
         .map_err(|error| Failure { exit: Exit::Failed, error })?;
     output.write(&bytes)
 }
@@ -309,7 +341,7 @@ fn info(args: &RenderArgs, scene: &SceneDescription, picture: &Picture) -> PartI
 }
 
 /// How the picture was made.
-fn metadata(info: &PartInfo, picture: &Picture) -> Metadata {
+pub(crate) fn metadata(info: &PartInfo, picture: &Picture) -> Metadata {
     let ([width, height], [x, y, w, h]) = (info.resolution, info.crop);
     let crop =
         if [w, h] == [width, height] { String::new() } else { format!(", crop {x},{y},{w},{h}") };
@@ -350,6 +382,7 @@ struct Done<'a> {
     built: Scene,
     picture: Picture,
     output: Output,
+    denoised: Option<Outcome<Written>>,
     threads: usize,
     warnings: Warnings,
     clock: Clock,
@@ -368,8 +401,14 @@ impl Done<'_> {
         }
         if !self.args.quiet {
             report::line(visible(&self.line()));
+            self.copy().iter().for_each(|copy| report::line(visible(&copy.line())));
         }
         Ok(())
+    }
+
+    /// The denoised copy, if it was made.
+    fn copy(&self) -> Option<&Written> {
+        self.denoised.as_ref().and_then(|copy| copy.as_ref().ok())
     }
 
     fn rays_per_second(&self) -> f64 {
@@ -401,6 +440,7 @@ impl Done<'_> {
         json!({
             "scene": self.args.picture.input.name(),
             "output": self.output.name(),
+            "denoised": self.copy().map(Written::json),
             "width": rendered.image.width(),
             "height": rendered.image.height(),
             "samples": rendered.samples,

@@ -15,6 +15,10 @@ use rayon::prelude::*;
 use std::ops::{ControlFlow, Range};
 use std::sync::Mutex;
 
+mod guides;
+
+pub use guides::render_guides;
+
 /// What to render and with what.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct RenderOptions {
@@ -345,6 +349,40 @@ impl<'a> Render<'a> {
         }
     }
 
+    /// Makes the first rays of these samples of every pixel of a tile, with their weights under the filter.
+    #[inline(always)]
+    fn aim(&self, worker: &mut Worker, tile: &Tile, samples: Range<u32>, half: Option<Half>) {
+        let (camera, level) = (self.scene.camera(), self.scene.level());
+        let Worker { pixels, points, film_points, lens_points, times, rays, weights, .. } = worker;
+        pixels.clear();
+        points.clear();
+        for index in tile.order() {
+            let [x, y] = tile.place(index);
+            for (point, half) in samples.clone().map(|sample| self.point(sample, half)) {
+                pixels.push((index, half));
+                points.push(self.sampler.points(x, y, point));
+            }
+        }
+        level.run(Pairs { paths: points, number: FILM, pairs: film_points });
+        if camera.has_lens() {
+            level.run(Pairs { paths: points, number: LENS, pairs: lens_points });
+        }
+        if self.scene.moves() {
+            level.run(Pairs { paths: points, number: TIME, pairs: times });
+        }
+        weights.clear();
+        let count = samples.len();
+        for (film_points, pixels) in film_points.chunks_mut(count).zip(pixels.chunks(count)) {
+            let center = Vec2::from(tile.place(pixels[0].0).map(|place| place as f32 + 0.5));
+            for point in film_points {
+                let (shift, weight) = self.filter.place(*point);
+                *point = center + shift;
+                weights.push(weight);
+            }
+        }
+        camera.rays(film_points, lens_points, times, rays);
+    }
+
     /// Tiles of one pass.
     fn tiles_per_pass(&self) -> u64 {
         self.size.map(|side| u64::from(side.div_ceil(Tile::SIDE))).into_iter().product()
@@ -484,43 +522,14 @@ impl<R: Recorder> TilePass<'_, '_, R> {
     #[inline(always)]
     fn take(self) {
         let Self { render, tile, samples, half, worker, recorder } = self;
-        let (camera, film) = (render.scene.camera(), render.scene.film());
-        let Worker { pixels, points, film_points, lens_points, times, rays, weights, lost, .. } =
-            worker;
-        pixels.clear();
-        points.clear();
-        for index in tile.order() {
-            let [x, y] = tile.place(index);
-            for (point, half) in samples.clone().map(|sample| render.point(sample, half)) {
-                pixels.push((index, half));
-                points.push(render.sampler.points(x, y, point));
-            }
-        }
-        let level = render.scene.level();
-        level.run(Pairs { paths: points, number: FILM, pairs: film_points });
-        if camera.has_lens() {
-            level.run(Pairs { paths: points, number: LENS, pairs: lens_points });
-        }
-        if render.scene.moves() {
-            level.run(Pairs { paths: points, number: TIME, pairs: times });
-        }
-        weights.clear();
-        let count = samples.len();
-        for (film_points, pixels) in film_points.chunks_mut(count).zip(pixels.chunks(count)) {
-            let center = Vec2::from(tile.place(pixels[0].0).map(|place| place as f32 + 0.5));
-            for point in film_points {
-                let (shift, weight) = render.filter.place(*point);
-                *point = center + shift;
-                weights.push(weight);
-            }
-        }
-        camera.rays(film_points, lens_points, times, rays);
-        let samples =
-            worker.gatherer.gather(render.scene, film.transparent, rays, points, recorder);
+        render.aim(worker, tile, samples.clone(), half);
+        let (film, count) = (render.scene.film(), samples.len());
+        let Worker { pixels, points, rays, weights, lost, gatherer, dropped, .. } = worker;
+        let samples = gatherer.gather(render.scene, film.transparent, rays, points, recorder);
         lost.clear();
         tile.add(samples, pixels, weights, |sample| lost.push(sample));
         for &mut sample in lost {
-            worker.dropped.get_or_insert((tile.place(pixels[sample].0), 0)).1 += 1;
+            dropped.get_or_insert((tile.place(pixels[sample].0), 0)).1 += 1;
             weights[sample] = 0.0;
         }
         let clamped = |(sample, weight): (&Sample, &f32)| f64::from(sample.clamped * weight);

@@ -1,6 +1,7 @@
 //! The command as its users run it, each time in a fresh folder.
 
 mod compare;
+mod denoise;
 mod doctor;
 mod explain;
 mod measure;

@@ -7,7 +7,7 @@ fn a_render_reports_everything() {
     let folder = Folder::new();
     let json = folder.run("render scene.toml --json -o a.png -t 2 --seed 3").done().json();
     let keys: Vec<_> = json.as_object().unwrap().keys().map(String::as_str).collect();
-    let expected = "scene output width height samples samples_per_pixel interrupted noise clamped seconds rays rays_per_second memory triangles \
+    let expected = "scene output denoised width height samples samples_per_pixel interrupted noise clamped seconds rays rays_per_second memory triangles \
         surfaces lights threads simd seed exposure_ev luminous_efficacy dropped_samples warnings";
     assert_eq!(keys, expected.split_whitespace().collect::<Vec<_>>());
     assert_eq!(

@@ -278,6 +278,21 @@ impl Film {
     }
 }
 
+/// What the tiles of the rectangle at `origin` of size `size` have of each pixel, row by row.
+pub(crate) fn in_rows<T: Clone + Default>(
+    origin: [u32; 2],
+    size: [u32; 2],
+    tiles: impl IntoIterator<Item = Vec<T>>,
+) -> Vec<T> {
+    let mut rows = vec![T::default(); size[0] as usize * size[1] as usize];
+    for (tile, pixels) in Tile::cut(origin, size).iter().zip(tiles) {
+        for (index, pixel) in pixels.into_iter().enumerate() {
+            rows[row_index(origin, size, tile.place(index))] = pixel;
+        }
+    }
+    rows
+}
+
 /// The number of the pixel in column `x`, row `y` of the whole picture, counted row by row in a rectangle of it.
 fn row_index(origin: [u32; 2], size: [u32; 2], [x, y]: [u32; 2]) -> usize {
     (y - origin[1]) as usize * size[0] as usize + (x - origin[0]) as usize

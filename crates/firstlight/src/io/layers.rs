@@ -28,13 +28,7 @@ pub fn save_layers(
 ) -> Result<Vec<u8>> {
     let picture = ["R", "G", "B", "A"].into_iter().enumerate();
     let picture = picture.map(|(i, name)| AnyChannel::new(name, plane(image, i, Precision::Float)));
-    let channels = channels.into_iter().map(|channel| {
-        let samples = match channel.plane {
-            Plane::Numbers(values) => FlatSamples::F32(values),
-            Plane::Whole(values) => FlatSamples::U32(values),
-        };
-        AnyChannel { name: utf8(&channel.name), ..AnyChannel::new("", samples) }
-    });
+    let channels = channels.into_iter().map(any_channel);
     let mut attributes = attributes(develop, metadata);
     let more = more.into_iter().map(|(key, text)| (utf8(&key), AttributeValue::Text(utf8(&text))));
     attributes.other.extend(more);
@@ -42,6 +36,15 @@ pub fn save_layers(
     to_file(size, attributes, picture.chain(channels).collect()).map_err(|cause| {
         Box::new(Diagnostic::new("", format!("the layers cannot be encoded: {cause}")))
     })
+}
+
+/// A channel as files have it.
+pub(super) fn any_channel(channel: Channel) -> AnyChannel<FlatSamples> {
+    let samples = match channel.plane {
+        Plane::Numbers(values) => FlatSamples::F32(values),
+        Plane::Whole(values) => FlatSamples::U32(values),
+    };
+    AnyChannel { name: utf8(&channel.name), ..AnyChannel::new("", samples) }
 }
 
 /// The channels of a file.

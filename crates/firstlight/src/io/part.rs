@@ -5,11 +5,13 @@
 
 use super::access::{read_file, shown};
 use super::exr::{check_blocks, first_layer, plane, to_file, utf8};
+use super::layers::any_channel;
 use super::pixels::{Input, guarded, unreadable};
 use super::{Limits, Precision};
 use crate::color::View;
 use crate::diagnostic::{Diagnostic, Result};
 use crate::film::{Film, Pixel};
+use crate::layers::Guides;
 use crate::scene::description::FilmDescription;
 use exr::prelude::{AnyChannel, AttributeValue, FlatSamples, LayerAttributes, MetaData};
 use serde::{Deserialize, Serialize};
@@ -22,6 +24,8 @@ pub struct Part {
     pub info: PartInfo,
     /// The sums of its samples.
     pub film: Film,
+    /// What a denoiser is to know of the picture, if it is to be denoised.
+    pub guides: Option<Guides>,
 }
 
 /// What a part is a part of. Only parts that agree in everything but `ranges` belong together.
@@ -59,7 +63,7 @@ const ATTRIBUTE: &str = "firstlightPart";
 ///
 /// # Errors
 /// If it is too large for the format.
-pub fn save_part(info: &PartInfo, film: &Film) -> Result<Vec<u8>> {
+pub fn save_part(info: &PartInfo, film: &Film, guides: Option<&Guides>) -> Result<Vec<u8>> {
     let refused = |cause: &dyn std::error::Error| {
         Box::new(Diagnostic::new("", format!("the part cannot be encoded: {cause}")))
     };
@@ -73,10 +77,12 @@ pub fn save_part(info: &PartInfo, film: &Film) -> Result<Vec<u8>> {
         let values = words.iter().map(|words| words[i]).collect();
         AnyChannel::new(channel_name(i).as_str(), FlatSamples::U32(values))
     });
+    let guides = guides.into_iter().flat_map(Guides::channels).map(any_channel);
     let mut attributes = LayerAttributes::default();
     attributes.other.insert(utf8(ATTRIBUTE), AttributeValue::Text(utf8(&info)));
     let size = (image.width() as usize, image.height() as usize);
-    to_file(size, attributes, picture.chain(sums).collect()).map_err(|error| refused(&error))
+    to_file(size, attributes, picture.chain(sums).chain(guides).collect())
+        .map_err(|error| refused(&error))
 }
 
 fn channel_name(index: usize) -> String {
@@ -108,26 +114,36 @@ fn decode(input: &Input) -> Result<Part> {
         return Err(input.fail("what it says of itself does not fit together").into());
     }
     check_blocks(input, header)?;
-    input.room_for(width.into(), height.into(), 4 * (Pixel::WORDS as u64 + 4))?;
-    let planes = sums(input.bytes).map_err(|e| unreadable(input, &e))?;
-    let planes: Vec<Vec<u32>> = planes.ok_or_else(|| no_part(input))?;
+    input.room_for(width.into(), height.into(), 4 * header.channels.list.len() as u64)?;
+    let channels = first_layer(input.bytes).map_err(|e| unreadable(input, &e))?.channel_data.list;
+    let planes = sums(&channels).ok_or_else(|| no_part(input))?;
     let pixel = |index: usize| Pixel::from_words(std::array::from_fn(|i| planes[i][index]));
-    Ok(Part { info, film: Film::from_rows([x, y], [width, height], pixel) })
+    let film = Film::from_rows([x, y], [width, height], pixel);
+    Ok(Part { info, film, guides: guides(&channels) })
 }
 
 /// The channels of sums, in order, if they are all there.
-fn sums(bytes: &[u8]) -> exr::error::Result<Option<Vec<Vec<u32>>>> {
-    let channels = first_layer(bytes)?.channel_data.list;
-    let plane = |index| {
-        let channel =
-            channels.iter().find(|channel| channel.name == *channel_name(index).as_str())?;
-        if let FlatSamples::U32(values) = &channel.sample_data {
-            Some(values.clone())
-        } else {
-            None
-        }
+fn sums(channels: &[AnyChannel<FlatSamples>]) -> Option<Vec<&[u32]>> {
+    let plane = |index| match samples(channels, &channel_name(index))? {
+        FlatSamples::U32(values) => Some(values.as_slice()),
+        _ => None,
     };
-    Ok((0..Pixel::WORDS).map(plane).collect())
+    (0..Pixel::WORDS).map(plane).collect()
+}
+
+/// The channels of guides, if they are all there.
+fn guides(channels: &[AnyChannel<FlatSamples>]) -> Option<Guides> {
+    let plane = |name| match samples(channels, name)? {
+        FlatSamples::F32(values) => Some(values.as_slice()),
+        _ => None,
+    };
+    let planes: Option<Vec<_>> = Guides::NAMES.into_iter().map(plane).collect();
+    Some(Guides::from_planes(planes?.try_into().ok()?))
+}
+
+fn samples<'a>(channels: &'a [AnyChannel<FlatSamples>], name: &str) -> Option<&'a FlatSamples> {
+    let channel = channels.iter().find(|channel| channel.name == *name)?;
+    Some(&channel.sample_data)
 }
 
 fn no_part(input: &Input) -> Box<Diagnostic> {
@@ -199,6 +215,8 @@ pub fn merge_parts(parts: impl IntoIterator<Item = Result<(String, Part)>>) -> R
         }
         owners.extend(part.info.ranges.iter().map(|range| (*range, name.clone())));
         whole.film.merge(&part.film);
+        // They are of the same scene and seed, so they are the same.
+        whole.guides = whole.guides.or(part.guides);
     }
     whole.info.ranges = joined(owners.into_iter().map(|(range, _)| range).collect());
     Ok(whole)

@@ -7,6 +7,7 @@ use crate::integrator::{Gatherer, Way};
 use crate::sampler::{PathPoints, Sampler};
 use crate::scene::description::{Integrator, Mesh, SceneDescription, Shape};
 use crate::scene::{Scene, Solid};
+use crate::shading::bsdf::Frame;
 use crate::shading::interaction::SurfaceInteraction;
 use crate::units::photometric;
 use glam::{DVec3, Vec3};
@@ -98,18 +99,16 @@ impl<'a> Viewer<'a> {
         self.scene.world.closest_hits(&[ray], &Solid(self.scene), &mut hits);
         match hits[0].is_some() {
             true => {
-                let (seen, at) = self.meet(&ray, &hits[0]);
+                let (seen, at) = self.describe(&ray, &hits[0]);
                 self.measure(seen, &at, |sample| self.sampler.points(x, y, sample), gatherer)
             }
             false => Seen { depth: f32::INFINITY, distance: f32::INFINITY, ..Seen::default() },
         }
     }
 
-    fn meet(&self, ray: &Ray, hit: &Hit) -> (Seen, SurfaceInteraction) {
-        let (at, material) = (self.scene.interaction(ray, hit), self.scene.material(hit));
-        let boundary = self.scene.boundary_from_air(material, &at);
-        let (frame, albedo) =
-            self.scene.add_lobes(material, &at, -ray.direction, boundary, &mut Vec::new());
+    fn describe(&self, ray: &Ray, hit: &Hit) -> (Seen, SurfaceInteraction) {
+        let (at, frame, albedo) = meet(self.scene, ray, hit);
+        let material = self.scene.material(hit);
         let seen = Seen {
             depth: (at.position - ray.origin).dot(self.scene.camera().forward()),
             distance: hit.t,
@@ -154,6 +153,14 @@ impl<'a> Viewer<'a> {
         seen.ao = self.sky.as_ref().map_or(0.0, |sky| measure(sky).x / PI);
         seen
     }
+}
+
+/// The point that a ray hits, the frame that light is reckoned in there, and the fraction of light that is scattered.
+pub(crate) fn meet(scene: &Scene, ray: &Ray, hit: &Hit) -> (SurfaceInteraction, Frame, Rgb) {
+    let (at, material) = (scene.interaction(ray, hit), scene.material(hit));
+    let boundary = scene.boundary_from_air(material, &at);
+    let (frame, albedo) = scene.add_lobes(material, &at, -ray.direction, boundary, &mut Vec::new());
+    (at, frame, albedo)
 }
 
 /// How far surfaces may be that keep the sky from others: what the scene says, or a tenth of what it takes up.

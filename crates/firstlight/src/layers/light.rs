@@ -3,7 +3,7 @@
 use super::crypto::{Coverage, CryptoNames};
 use super::{Channel, Layer};
 use crate::color::{Rgb, luminance};
-use crate::film::{Sample, Tile};
+use crate::film::{Sample, in_rows};
 use crate::geometry::Ray;
 use crate::integrator::{Followed, Gain, Record, Source};
 use crate::scene::description::{Integrator, SceneDescription};
@@ -177,14 +177,7 @@ impl LightLayers {
         size: [u32; 2],
         tiles: Vec<LightTile>,
     ) -> Self {
-        let mut pixels = vec![Sums::default(); size[0] as usize * size[1] as usize];
-        for (place, sums) in Tile::cut(origin, size).iter().zip(tiles) {
-            for (index, sums) in sums.pixels.into_iter().enumerate() {
-                let [x, y] = place.place(index);
-                let row = (y - origin[1]) as usize * size[0] as usize;
-                pixels[row + (x - origin[0]) as usize] = sums;
-            }
-        }
+        let pixels = in_rows(origin, size, tiles.into_iter().map(|tile| tile.pixels));
         let mut sources = sources(scene);
         sources.sort();
         Self { sources, pixels }

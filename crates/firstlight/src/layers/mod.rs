@@ -6,10 +6,13 @@
 
 mod crypto;
 mod data;
+mod guides;
 mod light;
 
 pub use crypto::CryptoNames;
 pub use data::data_layers;
+pub(crate) use data::meet;
+pub use guides::Guides;
 pub use light::{LightLayers, layer_name};
 pub(crate) use light::{LightTile, Taken, sources};
 
