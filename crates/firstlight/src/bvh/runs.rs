@@ -2,7 +2,6 @@
 
 use crate::geometry::Hit;
 use crate::kernels::FLATTENED;
-use std::hint::select_unpredictable;
 
 /// Triangles of one surface: from number `first` up to the first of the next run.
 #[derive(Debug, Clone, Copy)]
@@ -63,27 +62,20 @@ impl Runs {
                 run = self.runs[i];
                 numbers = run.first..self.runs.get(i + 1).map_or(u32::MAX, |next| next.first);
             }
-            *hit = run.named(hit);
+            run.name(hit);
         }
-    }
-
-    /// A hit with its surface and its part of that; any other as it is.
-    pub(super) fn named(&self, hit: &Hit) -> Hit {
-        if hit.surface == FLATTENED { self.of(hit.primitive).named(hit) } else { *hit }
     }
 }
 
 impl Run {
-    /// A hit of one of its triangles with its surface and its part of that. Nothing branches on what that is.
+    /// Names the surface and its part that a hit of one of its triangles is on.
     #[inline(always)]
-    fn named(&self, hit: &Hit) -> Hit {
-        let weight = |weight| select_unpredictable(self.in_pairs, 0.0, weight);
-        Hit {
-            t: hit.t,
-            u: weight(hit.u),
-            v: weight(hit.v),
-            surface: self.surface,
-            primitive: (hit.primitive - self.first) >> u32::from(self.in_pairs),
+    fn name(&self, hit: &mut Hit) {
+        hit.surface = self.surface;
+        hit.primitive -= self.first;
+        if self.in_pairs {
+            hit.primitive >>= 1;
+            (hit.u, hit.v) = (0.0, 0.0);
         }
     }
 }

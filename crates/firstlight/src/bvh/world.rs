@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use std::borrow::Cow;
 use std::cell::RefCell;
 use std::collections::HashMap;
+use std::slice::from_mut;
 use std::sync::Arc;
 
 /// A mesh standing in the world.
@@ -297,7 +298,9 @@ impl HitFilter for Named<'_> {
     }
 
     fn accepts(&self, ray: &Ray, hit: &Hit, from_behind: bool) -> bool {
-        self.filter.accepts(ray, &self.runs.named(hit), from_behind)
+        let mut named = *hit;
+        self.runs.name(from_mut(&mut named));
+        self.filter.accepts(ray, &named, from_behind)
     }
 }
 

@@ -22,7 +22,7 @@ impl<O: Others> Walk<'_, O> {
     /// Brings rays of group `g` to what is below `start`. Returns whether a hit was replaced.
     #[inline(always)]
     pub(super) fn alone<S: Simd, const ANY: bool>(
-        &mut self,
+        &self,
         simd: S,
         (g, group): (usize, &mut Group<S::Rays>),
         mut lanes: u32,
@@ -33,14 +33,13 @@ impl<O: Others> Walk<'_, O> {
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize % S::Rays::COUNT;
             lanes &= lanes - 1;
-            let (ray, hit) =
-                (&self.rays[S::Rays::COUNT * g + lane], &mut self.hits[S::Rays::COUNT * g + lane]);
+            let (ray, mut hit) = (&self.rays[S::Rays::COUNT * g + lane], group.hit(lane));
             let search = Search { simd, ray, filter: self.filter, flags: self.flags };
             let prepared = (group.slabs_of(simd, lane), group.shear_of(simd, lane));
             let start = (self.tree, start);
-            if search.walk_from::<O, ANY>(start, ray, prepared, FLATTENED, self.others, hit, stack)
-            {
-                group.t.as_mut()[lane] = if ANY { f32::NEG_INFINITY } else { hit.t };
+            let (others, hit) = (self.others, &mut hit);
+            if search.walk_from::<O, ANY>(start, ray, prepared, FLATTENED, others, hit, stack) {
+                group.found::<ANY>(lane, hit);
                 changed = true;
             }
         }
@@ -50,7 +49,7 @@ impl<O: Others> Walk<'_, O> {
     /// Brings rays of group `g` to a surface that is not triangles. Returns whether a hit was replaced.
     #[inline(always)]
     pub(super) fn visit<S: Simd, const ANY: bool>(
-        &mut self,
+        &self,
         simd: S,
         (g, group): (usize, &mut Group<S::Rays>),
         mut lanes: u32,
@@ -61,11 +60,10 @@ impl<O: Others> Walk<'_, O> {
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize % S::Rays::COUNT;
             lanes &= lanes - 1;
-            let (ray, hit) =
-                (&self.rays[S::Rays::COUNT * g + lane], &mut self.hits[S::Rays::COUNT * g + lane]);
+            let (ray, mut hit) = (&self.rays[S::Rays::COUNT * g + lane], group.hit(lane));
             let search = Search { simd, ray, filter: self.filter, flags: self.flags };
-            if self.others.visit::<S, ANY>(&search, surface, hit, stack) {
-                group.t.as_mut()[lane] = if ANY { f32::NEG_INFINITY } else { hit.t };
+            if self.others.visit::<S, ANY>(&search, surface, &mut hit, stack) {
+                group.found::<ANY>(lane, &hit);
                 changed = true;
             }
         }

@@ -1,9 +1,9 @@
 //! Some rays, as many as vectors for rays have lanes, structure of arrays, prepared for boxes and triangles.
 
 use super::layout::{Axis, EntryPlanes, Node, TriangleBlock};
-use super::traverse::{PAD, SMALLEST, Slabs};
+use super::traverse::{FLATTENED, PAD, SMALLEST, Slabs};
 use super::triangles::{Shear, axes};
-use crate::geometry::{Hit, Ray};
+use crate::geometry::{Hit, NOTHING, Ray};
 use crate::simd::{LANES, Lanes, MOST, Mask, Simd, Vectors};
 
 /// Three rows. (Not a closure: those are compiled without the level's instructions.)
@@ -62,8 +62,13 @@ pub(super) struct Group<V: Vectors> {
     near: [V::Row; 3],
     far: [V::Row; 3],
     pub t_min: V::Row,
-    /// How far each ray still looks; −∞ if it has its answer.
+    /// How far each ray still looks, to its hit at last; −∞ if it has its answer.
     pub t: V::Row,
+    /// What else there is to know of their hits; surfaces and primitives as bits.
+    u: V::Row,
+    v: V::Row,
+    surface: V::Row,
+    primitive: V::Row,
     /// The axis along which each ray goes furthest, the first of equals: its number, as bits.
     along: V::Row,
     /// For triangles: shear along the two other axes, and the origin with these first.
@@ -87,6 +92,10 @@ impl<V: Vectors> Group<V> {
         far: [V::ZERO; 3],
         t_min: V::ZERO,
         t: V::ZERO,
+        u: V::ZERO,
+        v: V::ZERO,
+        surface: V::ZERO,
+        primitive: V::ZERO,
         along: V::ZERO,
         shear: [V::ZERO; 2],
         turned: [V::ZERO; 3],
@@ -120,19 +129,92 @@ impl<V: Vectors> Group<V> {
         self.prepare_shear(simd);
     }
 
-    /// Leaves out rays that have their answer, and looks no further than known hits.
+    /// Starts with no hits.
     #[inline(always)]
+    pub(super) fn forget(&mut self, simd: V) {
+        (self.u, self.v, self.primitive) = (V::ZERO, V::ZERO, V::ZERO);
+        self.surface = simd.splat(f32::from_bits(NOTHING)).to_array();
+    }
+
+    /// Starts with hits that are known. (Not inlined: where the processor can gather them from memory it does so slowly.)
+    #[inline(never)]
     pub(super) fn know<const ANY: bool>(&mut self, hits: &[Hit]) {
-        for (t, hit) in self.t.as_mut().iter_mut().zip(hits) {
-            *t = if ANY && hit.is_some() { f32::NEG_INFINITY } else { hit.t };
+        for (lane, hit) in hits.iter().enumerate() {
+            if hit.is_some() {
+                self.found::<ANY>(lane, hit);
+            } else {
+                self.set_hit(lane, hit);
+            }
         }
     }
 
-    /// Hits of nothing, up to where its rays end.
+    /// The hit of one of its rays.
     #[inline(always)]
-    pub(super) fn forget(&self, hits: &mut [Hit]) {
-        for (hit, &t) in hits.iter_mut().zip(self.t.as_ref()) {
-            *hit = Hit::none(t);
+    pub(super) fn hit(&self, lane: usize) -> Hit {
+        Hit {
+            t: at::<V>(&self.t, lane),
+            u: at::<V>(&self.u, lane),
+            v: at::<V>(&self.v, lane),
+            surface: at::<V>(&self.surface, lane).to_bits(),
+            primitive: at::<V>(&self.primitive, lane).to_bits(),
+        }
+    }
+
+    /// Replaces the hit of one of its rays.
+    #[inline(always)]
+    fn set_hit(&mut self, lane: usize, hit: &Hit) {
+        let lane = lane % V::COUNT;
+        self.t.as_mut()[lane] = hit.t;
+        self.u.as_mut()[lane] = hit.u;
+        self.v.as_mut()[lane] = hit.v;
+        self.surface.as_mut()[lane] = f32::from_bits(hit.surface);
+        self.primitive.as_mut()[lane] = f32::from_bits(hit.primitive);
+    }
+
+    /// Notes that one of its rays has found a hit.
+    #[inline(always)]
+    pub(super) fn found<const ANY: bool>(&mut self, lane: usize, hit: &Hit) {
+        let t = if ANY { f32::NEG_INFINITY } else { hit.t };
+        self.set_hit(lane, &Hit { t, ..*hit });
+    }
+
+    /// Replaces the hits of some of its rays by those of one triangle at `t`; of any hit, it is enough that there is one.
+    #[inline(always)]
+    pub(super) fn take<const ANY: bool>(
+        &mut self,
+        simd: V,
+        rays: V::M,
+        (t, weights): (V::F, [V::F; 3]),
+        primitive: u32,
+    ) {
+        let before = simd.load(&self.t);
+        if ANY {
+            self.t = simd.splat(f32::NEG_INFINITY).select(rays, before).to_array();
+            return;
+        }
+        let scale = simd.splat(1.0) / (weights[0] + weights[1] + weights[2]);
+        let [surface, primitive] =
+            [FLATTENED, primitive].map(|bits| simd.splat(f32::from_bits(bits)));
+        self.t = t.select(rays, before).to_array();
+        self.u = (weights[1] * scale).select(rays, simd.load(&self.u)).to_array();
+        self.v = (weights[2] * scale).select(rays, simd.load(&self.v)).to_array();
+        self.surface = surface.select(rays, simd.load(&self.surface)).to_array();
+        self.primitive = primitive.select(rays, simd.load(&self.primitive)).to_array();
+    }
+
+    /// The hits of its rays; of any hit, only whether there is one.
+    #[inline(always)]
+    pub(super) fn answer<const ANY: bool>(&self, hits: &mut [Hit]) {
+        let weights = self.u.as_ref().iter().zip(self.v.as_ref());
+        let names = self.surface.as_ref().iter().zip(self.primitive.as_ref());
+        let rows = self.t.as_ref().iter().zip(weights).zip(names);
+        for (hit, ((&t, (&u, &v)), (surface, primitive))) in hits.iter_mut().zip(rows) {
+            let (surface, primitive) = (surface.to_bits(), primitive.to_bits());
+            if ANY {
+                hit.surface = if t == f32::NEG_INFINITY { FLATTENED } else { NOTHING };
+            } else {
+                *hit = Hit { t, u, v, surface, primitive };
+            }
         }
     }
 

@@ -1,11 +1,12 @@
-//! Closest hit and any hit of up to 64 coherent rays at once: one walk through the tree for all of them.
+//! Closest hit and any hit of coherent rays, up to eight groups at once: one walk through the tree for all of them.
 //!
 //! Contract: as `traverse`, with the same bits: each ray's triangle tests are the same operations on the same numbers,
 //! and boxes only decide what is not tested.
 //!
-//! Rays come in groups of eight. A node's eight boxes are tested against the interval of all rays; each box that is left,
-//! against the intervals of eight groups at once; and a leaf's box against the eight rays of a group. In leaves, eight
-//! rays meet one triangle after the other.
+//! Rays come in groups, as many as a vector for rays has lanes: eight, or sixteen. A node's eight boxes are tested against
+//! the interval of all rays; each box that is left, against the intervals of all groups at once; and a leaf's box against
+//! the rays of a group. In leaves, a group's rays meet one triangle after the other. Hits stay with the groups until all
+//! have their answers.
 //!
 //! Intervals are taken from the end of the rays that lies closer together: shadow rays to a point light share their
 //! end, so that they are culled as if they came from the light.
@@ -36,7 +37,7 @@ struct Entry {
     groups: u16,
 }
 
-/// Up to 64 coherent rays on their way through a tree.
+/// Coherent rays on their way through a tree, up to eight groups.
 pub(super) struct Tile<S: Simd> {
     simd: S,
     groups: [Group<S::Rays>; GROUPS],
@@ -69,12 +70,12 @@ impl<S: Simd> Tile<S> {
         }
     }
 
-    /// Answers the rays of `walk`, at most 64. Those that do not go together are added to `strays`, if there are to be
-    /// any; they count from `base`. `known`: hits hold more than the ends of ranges.
+    /// Answers the rays of `walk`, at most eight groups. Those that do not go together are added to `strays`, if there are
+    /// to be any; they count from `base`. `known`: there are hits already.
     #[inline(always)]
     pub(super) fn answer<O: Others, const ANY: bool>(
         &mut self,
-        mut walk: Walk<O>,
+        walk: Walk<O>,
         known: bool,
         (base, mut strays): (usize, Option<&mut Strays>),
     ) {
@@ -96,16 +97,21 @@ impl<S: Simd> Tile<S> {
                 Some(strays) => {
                     strays.add::<ANY>(base + S::Rays::COUNT * g, rays, (hits, known));
                 }
-                None => self.alone::<O, ANY>(g, &mut walk),
+                None => self.alone::<O, ANY>(g, &walk),
             }
         }
         let mut first = 0;
         while first < count {
             let end = self.together_from(first, count);
             if end > first {
-                self.walk::<O, ANY>(first..end, &mut walk);
+                self.walk::<O, ANY>(first..end, &walk);
             }
             first = end.max(first + 1);
+        }
+        for (g, hits) in walk.hits.chunks_mut(S::Rays::COUNT).enumerate() {
+            if self.octants[g % GROUPS].is_some() || strays.is_none() {
+                self.groups[g % GROUPS].answer::<ANY>(hits);
+            }
         }
         if !ANY {
             walk.others.name(walk.hits);
@@ -130,26 +136,21 @@ impl<S: Simd> Tile<S> {
         group.octant()
     }
 
-    /// Prepares the rays of a group, some of which may have hits that are known; else all hits become those of nothing.
+    /// Prepares the rays of a group, some of which may have hits that are known.
     #[inline(always)]
-    fn prepare<const ANY: bool>(
-        &mut self,
-        g: usize,
-        reach: f32,
-        (hits, known): (&mut [Hit], bool),
-    ) {
+    fn prepare<const ANY: bool>(&mut self, g: usize, reach: f32, (hits, known): (&[Hit], bool)) {
         let group = &mut self.groups[g % GROUPS];
         group.prepare(self.simd.rays(), reach);
         if known {
             group.know::<ANY>(hits);
         } else {
-            group.forget(hits);
+            group.forget(self.simd.rays());
         }
     }
 
     /// Looks for the hits of a group, ray by ray.
     #[inline(always)]
-    fn alone<O: Others, const ANY: bool>(&mut self, g: usize, walk: &mut Walk<O>) {
+    fn alone<O: Others, const ANY: bool>(&mut self, g: usize, walk: &Walk<O>) {
         let group = &mut self.groups[g % GROUPS];
         let (looking, start) = (group.looking(self.simd.rays()), Child::node(0));
         walk.alone::<S, ANY>(self.simd, (g, group), looking, start, &mut self.single);
@@ -168,11 +169,7 @@ impl<S: Simd> Tile<S> {
 
     /// Looks for the hits of `range` groups.
     #[inline(always)]
-    pub(super) fn walk<O: Others, const ANY: bool>(
-        &mut self,
-        range: Range<usize>,
-        walk: &mut Walk<O>,
-    ) {
+    pub(super) fn walk<O: Others, const ANY: bool>(&mut self, range: Range<usize>, walk: &Walk<O>) {
         self.aim::<ANY>(&range, walk.tree.reach);
         (self.len, self.wasted) = (0, 0);
         self.enter::<ANY>(walk.tree, 0, (1_u32 << range.end) - (1 << range.start));
@@ -214,7 +211,7 @@ impl<S: Simd> Tile<S> {
         mut groups: u32,
         node: &Node,
         slot: usize,
-        walk: &mut Walk<O>,
+        walk: &Walk<O>,
     ) {
         while groups != 0 {
             let g = groups.trailing_zeros() as usize % GROUPS;
@@ -258,7 +255,7 @@ impl<S: Simd> Tile<S> {
         g: usize,
         lanes: u32,
         block: &TriangleBlock,
-        walk: &mut Walk<O>,
+        walk: &Walk<O>,
     ) -> bool {
         let points = self.groups[g].across(self.simd.rays(), block);
         let mut changed = false;
@@ -284,7 +281,7 @@ impl<S: Simd> Tile<S> {
         crossed: u32,
         (block, triangle): (&TriangleBlock, usize),
         weights: [<S::Rays as Vectors>::F; 3],
-        walk: &mut Walk<O>,
+        walk: &Walk<O>,
     ) -> bool {
         let (simd, group) = (self.simd.rays(), &mut self.groups[g]);
         let (origin, direction) = (load(simd, &group.origin), load(simd, &group.direction));
@@ -297,19 +294,7 @@ impl<S: Simd> Tile<S> {
             & t.abs().lt(simd.splat(f32::INFINITY)).bits();
         let asked = word.flags() & walk.flags != 0;
         let clear = if asked { 0 } else { nearer.bits() & crossed };
-        let reach = if ANY { simd.splat(f32::NEG_INFINITY) } else { t };
-        group.t = reach.select(simd.mask(clear), t_max).to_array();
-        let scale = simd.splat(1.0) / (weights[0] + weights[1] + weights[2]);
-        let (u, v) = ((weights[1] * scale).to_array(), (weights[2] * scale).to_array());
-        let (t, surface, primitive) = (t.to_array(), FLATTENED, word.number());
-        let (t, u, v) = (t.as_ref(), u.as_ref(), v.as_ref());
-        let mut rest = clear;
-        while rest != 0 {
-            let lane = rest.trailing_zeros() as usize % S::Rays::COUNT;
-            rest &= rest - 1;
-            let hit = Hit { t: t[lane], u: u[lane], v: v[lane], surface, primitive };
-            walk.hits[S::Rays::COUNT * g + lane] = hit;
-        }
+        group.take::<ANY>(simd, simd.mask(clear), (t, weights), word.number());
         let unclear = crossed & !clear & !out;
         let tried =
             unclear != 0 && self.try_each::<O, ANY>(g, unclear, (block, triangle), weights, walk);
@@ -324,7 +309,7 @@ impl<S: Simd> Tile<S> {
         mut rays: u32,
         (block, triangle): (&TriangleBlock, usize),
         weights: [<S::Rays as Vectors>::F; 3],
-        walk: &mut Walk<O>,
+        walk: &Walk<O>,
     ) -> bool {
         let weights = [weights[0].to_array(), weights[1].to_array(), weights[2].to_array()];
         let weights = [weights[0].as_ref(), weights[1].as_ref(), weights[2].as_ref()];
@@ -333,12 +318,12 @@ impl<S: Simd> Tile<S> {
             let lane = rays.trailing_zeros() as usize % S::Rays::COUNT;
             rays &= rays - 1;
             let number = S::Rays::COUNT * g + lane;
-            let (ray, hit) = (&walk.rays[number], &mut walk.hits[number]);
+            let (ray, mut hit) = (&walk.rays[number], self.groups[g].hit(lane));
             let search = Search { simd: self.simd, ray, filter: walk.filter, flags: walk.flags };
             let weights = [weights[0][lane], weights[1][lane], weights[2][lane]];
             let triangle = (walk.tree, block, triangle);
-            if accept(&search, ray, triangle, weights, FLATTENED, hit) {
-                self.groups[g].t.as_mut()[lane] = if ANY { f32::NEG_INFINITY } else { hit.t };
+            if accept(&search, ray, triangle, weights, FLATTENED, &mut hit) {
+                self.groups[g].found::<ANY>(lane, &hit);
                 taken = true;
             }
         }
