@@ -135,7 +135,7 @@ mod tests {
     /// Fog so thin that nothing is lost, and a light straight ahead.
     #[test]
     fn no_place_is_lost_to_rounding() {
-        let thin = Attenuated::new(&(0.0..10.0), Rgb::splat(1e-9), Rgb::ONE);
+        let thin = Attenuated::new(&(0.0..10.0), Rgb::splat(1e-9), Rgb::X);
         assert!((thin.pdf(thin.left(3.0)) - 0.1).abs() < 1e-6);
         assert!((thin.sample(0.25) - 2.5).abs() < 1e-5);
         let ahead = Equiangular::new(&(0.0..f64::INFINITY), 3.0, 1e-9);

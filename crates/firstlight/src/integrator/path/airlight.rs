@@ -320,7 +320,7 @@ mod tests {
         light(&mut scene, light_of);
         let parts = [part];
         assert_is("point", &scene, &ray, airlight(&parts, |_| 1.0));
-        let [inner_angle, outer_angle] = [0.3, 0.6];
+        let [inner_angle, outer_angle] = [0.5, 0.9];
         let falloff = SpotFalloff::Gltf;
         let direction = DOWN;
         let intensity = Rgb::splat(2.0);
@@ -357,7 +357,7 @@ mod tests {
     fn airlight_of_many_is_the_sum() {
         let (mut scene, ray) = stage();
         let place = |i: u32| {
-            v(f64::from(i % 5) - 2.3, f64::from(i / 5) - 4.0, 0.4 + 0.1 * f64::from(i % 3))
+            v(f64::from(i % 5) - 2.3, 0.5 * f64::from(i / 5) - 2.0, 0.4 + 0.1 * f64::from(i % 3))
         };
         let (lights, parts): (Vec<_>, Vec<_>) =
             (0..45).map(|i| point(place(i), 1.0 + f64::from(i % 4))).unzip();
