@@ -95,7 +95,7 @@ impl Beam {
             piece[0] < piece[1] && self.contains(origin + middle * direction)
         };
         let pieces = || ends.windows(2).filter(inside);
-        Some(pieces().next()?[0]..pieces().last()?[1])
+        Some(pieces().next()?[0]..pieces().next_back()?[1])
     }
 
     fn contains(&self, point: DVec3) -> bool {
