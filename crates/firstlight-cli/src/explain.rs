@@ -131,6 +131,7 @@ impl Text<'_> {
             let gives = triple(*radiance);
             writeln!(f, "{:<12} {} gives {gives} W/(sr m²)", "", visible(source))?;
         }
+        step.air.iter().try_for_each(|light| self.light(f, light))?;
         step.lights.iter().try_for_each(|light| {
             self.light(f, light)?;
             if number == 0 { self.rays_to(f, &light.source) } else { Ok(()) }
@@ -191,6 +192,13 @@ impl Text<'_> {
     fn light(&self, f: &mut Formatter<'_>, light: &Lighting) -> fmt::Result {
         let Lighting { source, kind, .. } = light;
         write!(f, "{:<12} '{}' ({kind})", "light", visible(source))?;
+        if let Some(after) = light.after {
+            write!(
+                f,
+                ", asked for all of the way in fog after {}",
+                units::format(after.into(), "m")
+            )?;
+        }
         if let (Some(distance), Some(factor)) = (light.distance, light.geometry_factor) {
             let (away, factor) = (units::format(distance.into(), "m"), digits(factor));
             write!(f, ", {away} away, 1/r² {factor} /m²")?;

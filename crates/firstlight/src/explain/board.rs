@@ -11,7 +11,7 @@ use crate::shading::interaction::SurfaceInteraction;
 use crate::units::photometric;
 use glam::{DVec2, Vec3};
 use serde::Serialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f32::consts::PI;
 
 /// Surfaces along the camera ray that are named besides the one it met.
@@ -38,6 +38,8 @@ pub struct Step {
     pub gained: Vec<(String, [f32; 3])>,
     /// The lights there, the strongest first.
     pub lights: Vec<Lighting>,
+    /// The lights that were asked on the way there, in fog, the strongest first.
+    pub air: Vec<Lighting>,
 }
 
 /// A point of a surface.
@@ -94,6 +96,8 @@ pub struct Lighting {
     pub source: String,
     /// What it is: point, spot, surface, environment …
     pub kind: &'static str,
+    /// How far along the ray it was asked, in fog, where it stands for all of the way, m; nothing at the ray's end.
+    pub after: Option<f32>,
     /// How far it is, m; nothing if infinitely far.
     pub distance: Option<f32>,
     /// The lecture's geometry factor 1/r², m⁻².
@@ -202,6 +206,7 @@ impl Board<'_> {
         let point = hit.is_some().then(|| Point::new(self.scene, followed));
         let met = point.as_ref().map(|point| self.met(point, *bounce, ray));
         let ended_in_fog = !hit.is_some() && ray.t_max.is_finite();
+        let air = self.asked(None, *bounce, |asked| asked.after.is_some());
         let lights = match ended_in_fog || point.is_some() {
             true => self.lights(point.as_ref(), ray.at(hit.t), *bounce),
             false => Vec::new(),
@@ -218,6 +223,7 @@ impl Board<'_> {
             scattered_after: ended_in_fog.then_some(ray.t_max),
             gained: gained.map(name).collect(),
             lights,
+            air,
         }
     }
 
@@ -261,10 +267,15 @@ impl Board<'_> {
         ignored
     }
 
-    /// All lights at a place in fog or, if there is a `point`, on a surface; the strongest first.
-    fn lights(&self, point: Option<&Point>, place: Vec3, bounce: u32) -> Vec<Lighting> {
+    /// The lights that were asked for a bounce where `there` says so; the strongest first.
+    fn asked(
+        &self,
+        point: Option<&Point>,
+        bounce: u32,
+        there: impl Fn(&Asked) -> bool,
+    ) -> Vec<Lighting> {
         let mut asked_of = BTreeMap::<Source, Vec<&Asked>>::new();
-        for asked in &self.record.asked {
+        for asked in self.record.asked.iter().filter(|asked| there(asked)) {
             if (asked.gain.sample, asked.gain.bounce) == (self.place, bounce) {
                 asked_of.entry(asked.gain.source).or_default().push(asked);
             }
@@ -273,7 +284,21 @@ impl Board<'_> {
             asked_of.iter().map(|(source, all)| self.lighting(point, *source, all)).collect();
         let strength = |light: &Lighting| luminance(light.radiance.into());
         lights.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
-        let silent = self.sources().into_iter().filter(|source| !asked_of.contains_key(source));
+        lights
+    }
+
+    /// All lights at a place in fog, but those that are asked on the way there, or, if there is a `point`, on a surface; the strongest
+    /// first.
+    fn lights(&self, point: Option<&Point>, place: Vec3, bounce: u32) -> Vec<Lighting> {
+        let at_end = |asked: &Asked| asked.after.is_none();
+        let mut lights = self.asked(point, bounce, at_end);
+        let told = |asked: &&Asked| {
+            let own = (asked.gain.sample, asked.gain.bounce) == (self.place, bounce);
+            own && (at_end(asked) || point.is_none())
+        };
+        let told: BTreeSet<_> =
+            self.record.asked.iter().filter(told).map(|asked| asked.gain.source).collect();
+        let silent = self.sources().into_iter().filter(|source| !told.contains(source));
         lights.extend(silent.map(|source| self.silent(point, place, source, bounce)));
         lights.truncate(MOST_LIGHTS);
         lights
@@ -319,6 +344,7 @@ impl Board<'_> {
         Lighting {
             source: source.name(self.description),
             kind: source.kind(self.description),
+            after: strongest.after,
             distance,
             geometry_factor: distance.map(|distance| distance.powi(-2)),
             incoming: Some(strongest.incoming.to_array()),
@@ -430,6 +456,7 @@ impl Board<'_> {
         Lighting {
             source: source.name(self.description),
             kind: source.kind(self.description),
+            after: None,
             distance,
             geometry_factor: distance.map(|distance| distance.powi(-2)),
             incoming: sample.map(|sample| sample.incoming.to_array()),

@@ -148,7 +148,8 @@ impl<'a> Sums<'a> {
             .filter(|followed| followed.bounce == 0)
             .map(|followed| (followed.sample, followed.hit.surface))
             .collect();
-        for asked in pass.record.asked.iter().filter(|asked| asked.gain.bounce == 0) {
+        let at_first = |asked: &&Asked| asked.gain.bounce == 0 && asked.after.is_none();
+        for asked in pass.record.asked.iter().filter(at_first) {
             let Some(ray) = asked.ray else { continue };
             let Some(first) = self.firsts.get_mut(&surface_of[&asked.gain.sample]) else {
                 continue;

@@ -31,6 +31,8 @@ impl Bounce {
     /// Where those of suns and lights begin; there are as many as there is room for.
     const SUNS: u32 = 8;
     const LIGHTS: u32 = 16;
+    /// Where the pairs of all reflections for lights that are asked in the air begin.
+    const AIR: u32 = 1 << 31;
 
     /// Of the reflection with this number, from 0.
     pub(super) fn new(number: u32) -> Self {
@@ -75,6 +77,17 @@ impl Bounce {
     /// The place on the sun with this number.
     pub(super) fn sun(self, number: u32) -> u32 {
         self.0 + Self::SUNS + number % (Self::LIGHTS - Self::SUNS)
+    }
+
+    /// Which light is asked for all in the air.
+    pub(super) fn air_pick(self) -> u32 {
+        Self::AIR + self.0
+    }
+
+    /// Where on a ray's way the light with this number is asked, and for which place on it.
+    pub(super) fn air(self, number: u32) -> [u32; 2] {
+        let place = Self::AIR + self.0 + 2 + 2 * (number % (Self::PAIRS / 2 - 1));
+        [place, place + 1]
     }
 
     /// The place on the light with this number.

@@ -269,7 +269,8 @@ impl<'a> Direct<'a> {
                 };
                 let ray = shadows.then_some(ray);
                 let (draw, passed) = (Draw::of_point(1.0), Rgb::ONE);
-                let asked = Asked { gain, ray, incoming, scattered, irradiance, draw, passed };
+                let asked =
+                    Asked { gain, after: None, ray, incoming, scattered, irradiance, draw, passed };
                 shadow_rays.ask(self.scene, &asked, &Media::default(), samples, recorder);
             }
         }

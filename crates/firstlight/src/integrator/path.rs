@@ -9,6 +9,7 @@
 //! gain by it, and it is long. What it calls is compiled for each: tracing, and what is worked out for a block of paths at once,
 //! as the directions that matte surfaces pick.
 
+mod airlight;
 mod arrive;
 mod clarity;
 mod lights;
@@ -35,6 +36,7 @@ use crate::scene::{Meets, Points, Scene, SeenByCamera};
 use crate::shading::bsdf::{BsdfSample, Matte};
 use crate::shading::interaction::clearance;
 use crate::simd::{Kernel, Simd};
+use airlight::Airway;
 use glam::{DVec3, Vec2, Vec3};
 use lights::{Aims, Draws, Techniques};
 use std::f32::consts::PI;
@@ -73,6 +75,8 @@ pub(crate) struct Scratch {
     draws: Draws,
     aims: Aims,
     onward: Onward,
+    /// Where lights are asked in media.
+    airways: Vec<Airway>,
     shadows: ShadowRays,
     /// One answer per camera ray.
     pub samples: Vec<Sample>,

@@ -32,6 +32,8 @@ pub(crate) struct Gain {
 pub(crate) struct Asked {
     /// What it would give to which sample, were nothing in the way.
     pub gain: Gain,
+    /// How far along the ray that leads to the point, m, if it is asked on the way there.
+    pub after: Option<f32>,
     /// The ray that must not be stopped; `None` if nothing can.
     pub ray: Option<Ray>,
     /// Unit vector to the light.

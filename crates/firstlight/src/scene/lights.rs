@@ -12,7 +12,7 @@ use crate::shading::interaction::SurfaceInteraction;
 use crate::shading::light::area::{AreaLight, AreaLights, shapes};
 use crate::shading::light::environment::{Aim, Environment};
 use crate::shading::light::shape::{LightShape, ShapeSample, Triangle};
-use crate::shading::light::tree::LightTree;
+use crate::shading::light::tree::{LightTree, Reach};
 use crate::shading::light::{Light, RoundLight};
 use crate::shading::texture::{Role, texel};
 use crate::simd::Level;
@@ -141,13 +141,29 @@ impl LocalLights {
     #[inline(always)]
     pub(crate) fn pick(&self, point: Vec3, normal: Vec3, u: f64) -> Option<(LocalLight, f32)> {
         let (number, probability) = self.tree.pick(point, normal, u)?;
+        Some((self.light(number), probability))
+    }
+
+    /// The number of one that may give light to a medium along a ray, picked by a number in 0..1, with the probability of that.
+    #[inline(always)]
+    pub(crate) fn pick_along(&self, ray: &Ray, u: f64) -> Option<(u32, f32)> {
+        self.tree.pick_along(ray, u)
+    }
+
+    /// The one with this number.
+    #[inline(always)]
+    pub(crate) fn light(&self, number: u32) -> LocalLight {
         let behind_points = number.wrapping_sub(self.points.len() as u32);
-        let light = match self.points.get(number as usize) {
+        match self.points.get(number as usize) {
             Some(&place) => LocalLight::Point(place),
             None if behind_points < self.round => LocalLight::Round(behind_points),
             None => LocalLight::Area(behind_points - self.round),
-        };
-        Some((light, probability))
+        }
+    }
+
+    /// Where the one with this number is and where it shines to.
+    pub(crate) fn reach(&self, number: u32) -> Reach {
+        self.tree.reach(number)
     }
 
     /// Probability with which [`LocalLights::pick`] picks an area light.

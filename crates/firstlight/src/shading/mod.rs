@@ -1,5 +1,6 @@
 //! The heart: what a surface does with light, and what lights give.
 
+pub(crate) mod airway;
 pub(crate) mod bsdf;
 pub(crate) mod interaction;
 pub(crate) mod light;

@@ -27,7 +27,7 @@ impl Medium {
     /// The fraction of light that goes straight on over `distance`, m (Beer & Lambert).
     pub(crate) fn transmittance(&self, distance: f32) -> Rgb {
         // Where nothing is lost, nothing is lost on the way to infinity either.
-        self.extinction().map(|k| if k > 0.0 { (-k * distance).exp() } else { 1.0 })
+        each(self.extinction(), |k| if k > 0.0 { (-k * distance).exp() } else { 1.0 })
     }
 
     /// A flight of at most `t_max` (m, may be infinite), picked by two numbers in 0..1: the first picks the channel
@@ -41,7 +41,8 @@ impl Medium {
             Rgb::ZERO => f32::INFINITY,
             _ => {
                 let u = u();
-                -(-u.y).ln_1p() / extinction[pick(importance, u.x)]
+                let (channel, _) = pick(importance, u.x.into());
+                -(-u.y).ln_1p() / extinction[channel]
             }
         };
         let scattered = distance < t_max;
@@ -58,11 +59,18 @@ impl Medium {
     }
 }
 
-/// A channel picked by a number in 0..1 in proportion to its weight.
-fn pick(weights: Rgb, u: f32) -> usize {
+/// A function of each channel, worked out once if they are all the same, as they mostly are.
+pub(super) fn each(channels: Rgb, f: impl Fn(f32) -> f32) -> Rgb {
+    let grey = channels.x == channels.y && channels.y == channels.z;
+    if grey { Rgb::splat(f(channels.x)) } else { channels.map(f) }
+}
+
+/// A channel picked by a number in 0..1 in proportion to its weight, and what is left of the number, in 0..1 too.
+pub(super) fn pick(weights: Rgb, u: f64) -> (usize, f64) {
     let [x, y, z] = weights.as_dvec3().to_array();
-    let u = f64::from(u) * (x + y + z);
-    usize::from(u >= x) + usize::from(u >= x + y)
+    let (before, u) = ([0.0, x, x + y], u * (x + y + z));
+    let channel = usize::from(u >= before[1]) + usize::from(u >= before[2]);
+    (channel, (u - before[channel]) / f64::from(weights[channel]))
 }
 
 /// Scattering that depends on nothing but the angle between before and after.

@@ -1,5 +1,6 @@
 //! Where rays of paths arrive: what they bring to the eye, and where paths are scattered next.
 
+use super::airlight::Airway;
 use super::vertices::{Scattering, Vertices};
 use super::walk::Walk;
 use super::{Path, Scratch};
@@ -12,7 +13,7 @@ use crate::integrator::media::Crossing;
 use crate::integrator::record::{Recorder, add};
 use crate::math::BLOCK;
 use crate::sampler::PathPoints;
-use crate::scene::description::Material;
+use crate::scene::description::{Material, Medium};
 use crate::scene::{LookAt, Plain, Points, Scene};
 use crate::shading::bsdf::{Frame, Kind, Lobe, Matte};
 use crate::shading::interaction::SurfaceInteraction;
@@ -29,6 +30,7 @@ struct Arrivals<'a, R> {
     /// What the environment gives to each ray that hit nothing, as [`Meet`] says.
     sky: Iter<'a, (Rgb, f32)>,
     vertices: &'a mut Vertices,
+    airways: &'a mut Vec<Airway>,
     samples: &'a mut [Sample],
     on_surface: &'a mut Vec<u32>,
     recorder: &'a mut R,
@@ -44,22 +46,36 @@ impl Path<'_> {
         scratch: &mut Scratch,
         recorder: &mut impl Recorder,
     ) {
-        let Scratch { rays, walks, hits, met, sky, vertices, samples, on_surface, .. } = scratch;
+        let Scratch { rays, walks, hits, met, sky, vertices, airways, samples, on_surface, .. } =
+            &mut *scratch;
         let (path, scene) = (self, self.scene);
         vertices.clear();
+        airways.clear();
         sky.clear();
         if let Some((environment, _)) = &scene.environment {
             scene.level().run(Meet { environment, rays, hits, met: &mut *sky });
         }
         let sky = sky.iter();
-        let mut arrivals =
-            Arrivals { path, bounce, points, sky, vertices, samples, on_surface, recorder };
+        let mut arrivals = Arrivals {
+            path,
+            bounce,
+            points,
+            sky,
+            vertices,
+            airways,
+            samples,
+            on_surface,
+            recorder: &mut *recorder,
+        };
         let mut walks = (0..).zip(walks);
         for (rays, hits) in rays.chunks(BLOCK).zip(hits.chunks(BLOCK)) {
             scene.level().run(LookAt { scene, rays, hits, points: &mut *met });
             for (k, ((ray, hit), walk)) in rays.iter().zip(hits).zip(&mut walks).enumerate() {
                 arrivals.add(walk, ray, hit, (met, k));
             }
+        }
+        if !airways.is_empty() {
+            self.add_airlight(bounce, points, scratch, recorder);
         }
     }
 
@@ -125,7 +141,8 @@ impl<R: Recorder> Arrivals<'_, R> {
         let crossing = surface
             .as_ref()
             .and_then(|surface| walk.cross(scene, surface, || points.pair(pairs.channel()).x));
-        let scattered = walk.fly(scene, hit.t, || points.pair(pairs.flight()));
+        let medium = walk.media.medium(scene).filter(|_| walk.throughput != Rgb::ZERO);
+        let scattered = medium.and_then(|medium| self.fly((number, walk), medium, hit.t));
         if self.bounce == 0 && (scattered.is_some() || hit.is_some()) {
             self.on_surface.push(walk.sample);
         }
@@ -148,6 +165,25 @@ impl<R: Recorder> Arrivals<'_, R> {
         }
     }
 
+    /// Goes along the last ray, of which there is so much, m, through a medium. Returns how far and how light is scattered there;
+    /// `None` if it came to the end.
+    #[inline(never)]
+    fn fly(
+        &mut self,
+        (number, walk): (u32, &mut Walk),
+        medium: Medium,
+        length: f32,
+    ) -> Option<(f32, HenyeyGreenstein)> {
+        let (points, pairs) = (&self.points[walk.sample as usize], Bounce::new(self.bounce));
+        if medium.scattering != Rgb::ZERO && walk.reflections < self.path.bounces {
+            let throughput = walk.throughput;
+            self.airways.push(Airway { walk: number, length, throughput, medium });
+        }
+        let flight = medium.fly(length, walk.throughput, || points.pair(pairs.flight()));
+        walk.throughput *= flight.weight;
+        flight.scattered.then_some((flight.distance, HenyeyGreenstein { g: medium.anisotropy }))
+    }
+
     /// At the end of `ray`, between the particles of a medium.
     #[inline(never)]
     fn float(&mut self, number: u32, walk: &Walk, ray: &Ray, phase: HenyeyGreenstein) {
@@ -155,7 +191,7 @@ impl<R: Recorder> Arrivals<'_, R> {
         self.recorder.follow(&walk.along(self.bounce, ray, &Hit::none(ray.t_max)));
         if walk.reflections < bounces {
             self.reflect(walk, scene.ambient);
-            self.vertices.push_floating(number, walk, ray, Lobe::new(Kind::Phase(phase), Rgb::ONE));
+            self.vertices.push_floating(number, walk, ray, phase);
         }
     }
 

@@ -20,7 +20,7 @@ use crate::simd::{Kernel, Level, Simd};
 use glam::{Vec2, Vec3};
 
 /// Of the two numbers that pick a light, the second has the digits behind the first's.
-const PAIR_STEP: f64 = 1.0 / (1 << 24) as f64;
+pub(super) const PAIR_STEP: f64 = 1.0 / (1 << 24) as f64;
 
 /// The samples that count for each of two ways to find a light: those that ask lights, and those of the BSDF that meet
 /// them. One each in pictures; with any others, the mean stays the same (Veach 1997 §9.2).
@@ -261,16 +261,21 @@ impl Path<'_> {
         let asks_all = self.asks_all(bounce);
         let LocalLights { points: near, elsewhere, .. } = &self.scene.local_lights;
         let near = if asks_all { near.as_slice() } else { &[] };
-        for &place in elsewhere.iter().chain(near) {
+        for &place in elsewhere {
             self.ask(bounce, [], scratch, recorder, |vertex, []| {
                 self.light_from_point(vertex, place, 1.0)
+            });
+        }
+        for &place in near {
+            self.ask(bounce, [], scratch, recorder, |vertex, []| {
+                self.light_from_point(vertex.on_surface()?, place, 1.0)
             });
         }
         if asks_all {
             for number in 0..self.scene.round_lights.len() as u32 {
                 let place = [pairs.light(number)];
                 self.ask(bounce, place, scratch, recorder, |vertex, [u]| {
-                    self.light_from_round(vertex, number, 1.0, u)
+                    self.light_from_round(vertex.on_surface()?, number, 1.0, u)
                 });
             }
             for (number, light) in (0..).zip(self.scene.area_lights.iter()) {
@@ -281,7 +286,7 @@ impl Path<'_> {
             let picks = [pairs.pick(), pairs.light(0)];
             self.ask(bounce, picks, scratch, recorder, |vertex, [pick, u]| {
                 let pick = pick.as_dvec2();
-                self.light_from_any(vertex, pick.x + pick.y * PAIR_STEP, u)
+                self.light_from_any(vertex.on_surface()?, pick.x + pick.y * PAIR_STEP, u)
             });
         }
         for (place, (sun, number)) in (0..).zip(self.scene.suns.iter().zip(&self.scene.sun_numbers))
@@ -320,7 +325,12 @@ impl Path<'_> {
 
     /// From the light without extent with this place, which had this chance of being asked.
     #[inline(always)]
-    fn light_from_point(&self, vertex: &Vertex, place: u32, chance: f32) -> Option<Answer> {
+    pub(super) fn light_from_point(
+        &self,
+        vertex: &Vertex,
+        place: u32,
+        chance: f32,
+    ) -> Option<Answer> {
         let light = &self.scene.lights[place as usize];
         let source = Source::Light(self.scene.light_numbers[place as usize]);
         let sample = light.sample(vertex.position.as_dvec3())?;
@@ -329,7 +339,7 @@ impl Path<'_> {
 
     /// From the round light with this place, which had this chance of being asked.
     #[inline(always)]
-    fn light_from_round(
+    pub(super) fn light_from_round(
         &self,
         vertex: &Vertex,
         place: u32,
@@ -466,6 +476,7 @@ impl Path<'_> {
             for (k, &place) in places.iter().enumerate() {
                 let vertex = vertices.get(number * BLOCK + k, walks);
                 let answer = match (even, vertex.other) {
+                    _ if vertex.on_surface().is_none() => None,
                     _ if moves => self.light_from_area(&vertex, light, 1.0, place),
                     (Some(emitted), None) => aims.answer(k, light, vertex.start, emitted),
                     _ => aims
@@ -521,12 +532,12 @@ impl Vertex<'_> {
 impl Answer {
     /// What the light would give to the eye by way of `vertex`.
     #[inline(always)]
-    fn at(&self, vertex: &Vertex, bounce: u32) -> Asked {
+    pub(super) fn at(&self, vertex: &Vertex, bounce: u32) -> Asked {
         let Self { source, ray, incoming, scattered, irradiance, draw } = *self;
         let ray = ray.map(|ray| Ray { time: vertex.walk.time, ..ray });
         let gain = vertex.walk.reflected(bounce, source, scattered * irradiance);
         let (gain, passed) = (Gain { asked: true, ..gain }, Rgb::ONE);
-        Asked { gain, ray, incoming, scattered, irradiance, draw, passed }
+        Asked { gain, after: None, ray, incoming, scattered, irradiance, draw, passed }
     }
 
     /// The solids that the light arrives through.

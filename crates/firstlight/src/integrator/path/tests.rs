@@ -19,9 +19,8 @@ const LIGHTS: Techniques = Techniques { lights: 1.0, bsdf: 0.0 };
 const BSDF: Techniques = Techniques { lights: 1e-30, bsdf: 1.0 };
 
 /// Mean radiance along a ray and its standard error, by independent sequences.
-fn measured(scene: &Scene, ray: &Ray, techniques: Techniques, samples: u32) -> [f64; 2] {
+pub(super) fn measured(path: &Path, ray: &Ray, samples: u32) -> [f64; 2] {
     const SEQUENCES: u32 = 32;
-    let path = Path { techniques, ..Path::new(scene, false, Some(2)) };
     let mut scratch = Scratch::default();
     let mut means = Vec::new();
     for sequence in 0..SEQUENCES {
@@ -119,10 +118,11 @@ fn both_ways_to_find_lights_agree() {
     let ray = Ray::new(origin.as_vec3(), (target - origin).normalize().as_vec3());
     let mut found = 0;
     for (name, scene) in scenes() {
-        let both = measured(&scene, &ray, BOTH, 1 << 12);
+        let by = |techniques| Path { techniques, ..Path::new(&scene, false, Some(2)) };
+        let both = measured(&by(BOTH), &ray, 1 << 12);
         assert!(both[0] > 1e-3, "{name}: {both:?}");
         for techniques in [LIGHTS, BSDF] {
-            let one = measured(&scene, &ray, techniques, 1 << 12);
+            let one = measured(&by(techniques), &ray, 1 << 12);
             let z = apart(both, one, 1.0);
             assert!(z.abs() < 4.5, "{name} {techniques:?}: {one:?} is not {both:?}, z = {z}");
             found += u32::from(apart(both, one, 1.001).abs() > 4.5 && z.abs() < 4.5);

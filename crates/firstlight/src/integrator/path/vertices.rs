@@ -6,8 +6,9 @@ use crate::geometry::Ray;
 use crate::integrator::media::Media;
 use crate::math::{BLOCK, Columns};
 use crate::scene::Scene;
-use crate::shading::bsdf::{Bsdf, BsdfSample, Frame, Lobe, Matte};
+use crate::shading::bsdf::{Bsdf, BsdfSample, Frame, Kind, Lobe, Matte};
 use crate::shading::light::area::AreaLight;
+use crate::shading::volume::HenyeyGreenstein;
 use glam::{DAffine3, Vec2, Vec3};
 
 /// A point where a path is scattered.
@@ -39,6 +40,19 @@ pub(super) struct Scattering {
     pub beyond: Media,
     /// The part of ambient light that its surface's occlusion map lets come to it.
     pub openness: f32,
+}
+
+impl<'a> Vertex<'a> {
+    /// One at a position between the particles of a medium.
+    pub(super) fn floating(
+        walk: &'a Walk,
+        position: Vec3,
+        how: &'a Scattering,
+        lobes: &'a [Lobe],
+    ) -> Self {
+        let matte = Matte { normal: Vec3::ZERO, reflectance: Rgb::ZERO };
+        Self { walk, position, start: position, matte, other: Some((how, lobes)) }
+    }
 }
 
 impl Vertex<'_> {
@@ -98,6 +112,15 @@ impl Vertex<'_> {
         }
     }
 
+    /// One on a surface; nothing for those between the particles of a medium, for which local lights are asked elsewhere, see `airlight.rs`.
+    #[inline(always)]
+    pub(super) fn on_surface(&self) -> Option<&Self> {
+        match self.other {
+            Some((_, [Lobe { kind: Kind::Phase(_), .. }])) => None,
+            _ => Some(self),
+        }
+    }
+
     /// The part of ambient light that comes to it.
     pub(super) fn openness(&self) -> f32 {
         match self.other {
@@ -114,6 +137,20 @@ impl Vertex<'_> {
 }
 
 impl Scattering {
+    /// At a position between the particles of a medium, to which a ray leads in that direction; its lobe is the first.
+    pub(super) fn floating(
+        walk: &Walk,
+        position: Vec3,
+        direction: Vec3,
+        phase: HenyeyGreenstein,
+    ) -> (Self, Lobe) {
+        // No surface straightens out what rounding adds up over hundreds of scatterings.
+        let outgoing = -direction.normalize();
+        let (frame, behind, beyond) = (Frame::around(outgoing), position, walk.media);
+        let other = Self { frame, outgoing, lobes: [0, 1], behind, beyond, openness: 1.0 };
+        (other, Lobe::new(Kind::Phase(phase), Rgb::ONE))
+    }
+
     #[inline(always)]
     fn bsdf<'a>(&self, lobes: &'a [Lobe]) -> Bsdf<'a> {
         Bsdf { frame: self.frame, outgoing: self.outgoing, lobes }
@@ -238,16 +275,18 @@ impl Vertices {
         (block, k)
     }
 
-    /// Adds one at the end of `ray`, between the particles of a medium that scatter light by the lobe.
-    pub(super) fn push_floating(&mut self, number: u32, walk: &Walk, ray: &Ray, lobe: Lobe) {
+    /// Adds one at the end of `ray`, between the particles of a medium.
+    pub(super) fn push_floating(
+        &mut self,
+        number: u32,
+        walk: &Walk,
+        ray: &Ray,
+        phase: HenyeyGreenstein,
+    ) {
         let position = ray.origin + ray.t_max * ray.direction;
-        // No surface straightens out what rounding adds up over hundreds of scatterings.
-        let outgoing = -ray.direction.normalize();
-        let (frame, behind, beyond) = (Frame::around(outgoing), position, walk.media);
+        let (other, lobe) = Scattering::floating(walk, position, ray.direction, phase);
         let first = self.lobes.len() as u32;
         self.lobes.push(lobe);
-        let lobes = [first, first + 1];
-        let other = Scattering { frame, outgoing, lobes, behind, beyond, openness: 1.0 };
-        self.push_other(number, [position; 2], other);
+        self.push_other(number, [position; 2], Scattering { lobes: [first, first + 1], ..other });
     }
 }

@@ -7,8 +7,7 @@ use crate::integrator::media::{Crossing, Media};
 use crate::integrator::record::{Followed, Gain};
 use crate::scene::Scene;
 use crate::shading::interaction::SurfaceInteraction;
-use crate::shading::volume::HenyeyGreenstein;
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 /// A path up to its last ray.
 #[derive(Clone, Copy)]
@@ -77,21 +76,6 @@ impl Walk {
         let crossing = self.media.cross(scene, material, surface.front, self.channel);
         self.media = crossing.before;
         Some(crossing)
-    }
-
-    /// Goes along the last ray, of which there is so much, m, through what fills the space there, picking the distance by
-    /// two numbers in 0..1. Returns that distance and how light is scattered there; `None` if it came to the end.
-    #[inline(always)]
-    pub(super) fn fly(
-        &mut self,
-        scene: &Scene,
-        length: f32,
-        u: impl FnOnce() -> Vec2,
-    ) -> Option<(f32, HenyeyGreenstein)> {
-        let medium = self.media.medium(scene).filter(|_| self.throughput != Rgb::ZERO)?;
-        let flight = medium.fly(length, self.throughput, u);
-        self.throughput *= flight.weight;
-        flight.scattered.then_some((flight.distance, HenyeyGreenstein { g: medium.anisotropy }))
     }
 
     /// Turns aside at the reflection with this number, where rays start at `from` and lights have to be on the side of `normal`,

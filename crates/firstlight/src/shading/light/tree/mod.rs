@@ -8,11 +8,14 @@
 mod bounds;
 mod build;
 mod node;
+mod reach;
 #[cfg(test)]
 mod tests;
 
 pub(crate) use bounds::{EmissionCone, LightBounds};
+pub(crate) use reach::Reach;
 
+use crate::geometry::Ray;
 use crate::simd::{Kernel, Level, Simd};
 use glam::Vec3;
 use node::{CHILDREN, Child, Node};
@@ -39,7 +42,18 @@ impl LightTree {
     /// A light, by its number, that may give something to a surface at `point` with the unit normal `normal`, and the
     /// probability of having been picked by `u` in 0..1; `None` if none does.
     pub(crate) fn pick(&self, point: Vec3, normal: Vec3, u: f64) -> Option<(u32, f32)> {
-        self.level.run(Pick { tree: self, point, normal, u })
+        self.level.run(Pick { tree: self, receiver: At { point, normal }, u })
+    }
+
+    /// The same for all that is between the start of a ray and its end.
+    pub(crate) fn pick_along(&self, ray: &Ray, u: f64) -> Option<(u32, f32)> {
+        self.level.run(Pick { tree: self, receiver: Along(ray), u })
+    }
+
+    /// Where the light with this number is and where it shines to.
+    pub(crate) fn reach(&self, light: u32) -> Reach {
+        let Place { node, child } = self.place_of[light as usize];
+        self.nodes[node as usize].reach(child as usize)
     }
 
     /// Probability with which [`LightTree::pick`] picks the light with this number.
@@ -48,23 +62,51 @@ impl LightTree {
     }
 }
 
-/// From the root down to a light.
-struct Pick<'a> {
-    tree: &'a LightTree,
+/// What lights may give something to.
+trait Receiver {
+    /// How much the lights of each child may give to it.
+    fn importances<S: Simd>(&self, simd: S, node: &Node) -> [f32; CHILDREN];
+}
+
+/// See [`LightTree::pick`].
+struct At {
     point: Vec3,
     normal: Vec3,
+}
+
+impl Receiver for At {
+    #[inline(always)]
+    fn importances<S: Simd>(&self, simd: S, node: &Node) -> [f32; CHILDREN] {
+        node.importances(simd, self.point, self.normal)
+    }
+}
+
+/// See [`LightTree::pick_along`].
+struct Along<'a>(&'a Ray);
+
+impl Receiver for Along<'_> {
+    #[inline(always)]
+    fn importances<S: Simd>(&self, simd: S, node: &Node) -> [f32; CHILDREN] {
+        node.importances_along(simd, self.0)
+    }
+}
+
+/// From the root down to a light.
+struct Pick<'a, R> {
+    tree: &'a LightTree,
+    receiver: R,
     u: f64,
 }
 
-impl Kernel for Pick<'_> {
+impl<R: Receiver> Kernel for Pick<'_, R> {
     type Output = Option<(u32, f32)>;
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Self::Output {
-        let Self { tree, point, normal, mut u } = self;
+        let Self { tree, receiver, mut u } = self;
         let (mut node, mut probability) = (tree.nodes.first()?, 1.0);
         loop {
-            let importances = node.importances(simd, point, normal);
+            let importances = receiver.importances(simd, node);
             let sum: f32 = importances.iter().sum();
             let child = pick_in_proportion(&importances, sum, &mut u)?;
             probability *= importances[child] / sum;

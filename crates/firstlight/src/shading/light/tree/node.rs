@@ -1,8 +1,10 @@
 //! Eight children of the tree, and how much each may give to a point.
 
-use super::{LightBounds, Place};
+use super::{LightBounds, Place, Reach};
+use crate::geometry::Ray;
 use crate::simd::{LANES, Lanes, Simd};
 use glam::Vec3;
+use std::f32::consts::FRAC_2_PI;
 
 /// Children of a node.
 pub(super) const CHILDREN: usize = LANES;
@@ -111,6 +113,38 @@ impl Node {
         let share = (one / radius2).select(inside, seen);
         let most = (intensity * share).max(simd.splat(f32::MIN_POSITIVE)).min(simd.splat(MOST));
         most.select((inside | lit) & zero.lt(intensity), zero).to_array()
+    }
+
+    /// The same for all that is along a ray, wherever the lights shine to: about ∫ dt/r² = θ/D, with θ the angle under which the ray
+    /// is seen from the middle and D the distance from there.
+    #[inline(always)]
+    pub(super) fn importances_along<S: Simd>(&self, simd: S, ray: &Ray) -> [f32; CHILDREN] {
+        let (zero, one) = (simd.splat(0.0), simd.splat(1.0));
+        let direction = splat(simd, ray.direction);
+        let to_lights = difference(load(simd, &self.center), splat(simd, ray.origin));
+        let nearest = dot(to_lights, direction).max(zero).min(simd.splat(ray.t_max));
+        let apart = difference(to_lights, direction.map(|d| d * nearest));
+        let distance2 = dot(apart, apart) + simd.load(&self.radius2);
+        let distance = distance2.max(simd.splat(f32::MIN_POSITIVE)).sqrt();
+        // atan x is about 1 / (1 / x + 2 / π).
+        let angle = one / (distance / simd.splat(ray.t_max) + simd.splat(FRAC_2_PI));
+        let intensity = simd.load(&self.intensity);
+        let most = (intensity * angle / distance).max(simd.splat(f32::MIN_POSITIVE));
+        most.min(simd.splat(MOST)).select(zero.lt(intensity), zero).to_array()
+    }
+
+    /// Where the lights of a child are and where they shine to.
+    pub(super) fn reach(&self, child: usize) -> Reach {
+        let place = |of: &[[f32; CHILDREN]; 3]| Vec3::from_array(of.map(|axis| axis[child]));
+        let spread = self.sin_spread[child].atan2(self.cos_spread[child]);
+        let dark_from = spread.abs() + self.cos_falloff[child].acos();
+        let two_sided = self.behind[child] > 0.0;
+        Reach::new(
+            place(&self.center),
+            self.radius2[child],
+            (place(&self.axis), dark_from),
+            two_sided,
+        )
     }
 }
 
