@@ -7,7 +7,7 @@ use super::wide;
 use crate::geometry::{Analytic, Bounds, DOUBLE_ERROR, Hit, Ray};
 use crate::kernels::{HitFilter, Others, Search, Stack, Tree, forget, search};
 use crate::scene::description::{Mesh, Motion};
-use crate::simd::{Level, Simd};
+use crate::simd::{Kernel, Level, Simd};
 use glam::{DAffine3, Vec3};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -305,10 +305,9 @@ impl HitFilter for Named<'_> {
 }
 
 impl Others for World {
-    #[inline(always)]
-    fn visit<S: Simd, const ANY: bool>(
+    fn visit<const ANY: bool>(
         &self,
-        search: &Search<S>,
+        search: &Search<()>,
         surface: u32,
         hit: &mut Hit,
         stack: &mut Stack,
@@ -319,7 +318,9 @@ impl Others for World {
                     None => into_object(search.ray, &part.to_object),
                     Some(motion) => into_moving(search.ray, motion, &part.to_object),
                 };
-                search.walk::<_, ANY>(&self.trees[tree], &ray, surface, &NoOthers, hit, stack)
+                let (tree, ray) = (&self.trees[tree], &ray);
+                let inside = Inside::<ANY> { search, tree, ray, surface, hit, stack };
+                self.level.of_eight().run(inside)
             }
             _ => self.cross(search.ray, surface, search.filter, hit),
         }
@@ -331,18 +332,32 @@ impl Others for World {
     }
 }
 
+/// A ray, brought into the space of an instance, looks through its tree.
+struct Inside<'a, const ANY: bool> {
+    search: &'a Search<'a, ()>,
+    tree: &'a Tree,
+    ray: &'a Ray,
+    surface: u32,
+    hit: &'a mut Hit,
+    stack: &'a mut Stack,
+}
+
+impl<const ANY: bool> Kernel for Inside<'_, ANY> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> bool {
+        let Self { search, tree, ray, surface, hit, stack } = self;
+        search.with(simd).walk::<_, ANY>(tree, ray, surface, &NoOthers, hit, stack)
+    }
+}
+
 /// A tree of nothing but triangles.
 struct NoOthers;
 
 impl Others for NoOthers {
     #[inline(always)]
-    fn visit<S: Simd, const ANY: bool>(
-        &self,
-        _: &Search<S>,
-        _: u32,
-        _: &mut Hit,
-        _: &mut Stack,
-    ) -> bool {
+    fn visit<const ANY: bool>(&self, _: &Search<()>, _: u32, _: &mut Hit, _: &mut Stack) -> bool {
         false
     }
 

@@ -50,7 +50,6 @@ impl<O: Others> Walk<'_, O> {
     #[inline(always)]
     pub(super) fn visit<S: Simd, const ANY: bool>(
         &self,
-        simd: S,
         (g, group): (usize, &mut Group<S::Rays>),
         mut lanes: u32,
         surface: u32,
@@ -61,8 +60,8 @@ impl<O: Others> Walk<'_, O> {
             let lane = lanes.trailing_zeros() as usize % S::Rays::COUNT;
             lanes &= lanes - 1;
             let (ray, mut hit) = (&self.rays[S::Rays::COUNT * g + lane], group.hit(lane));
-            let search = Search { simd, ray, filter: self.filter, flags: self.flags };
-            if self.others.visit::<S, ANY>(&search, surface, &mut hit, stack) {
+            let search = Search { simd: (), ray, filter: self.filter, flags: self.flags };
+            if self.others.visit::<ANY>(&search, surface, &mut hit, stack) {
                 group.found::<ANY>(lane, &hit);
                 changed = true;
             }

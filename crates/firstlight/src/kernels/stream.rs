@@ -163,7 +163,7 @@ impl<S: Simd> Walker<S> {
                     search.meet(walk.tree, block, ray, shear, FLATTENED, hit)
                 }
                 Target::Other(surface) if in_reach => {
-                    walk.others.visit::<S, ANY>(&search, surface, hit, stack)
+                    walk.others.visit::<ANY>(&search.with(()), surface, hit, stack)
                 }
                 Target::Block(_) | Target::Other(_) => false,
                 Target::Node(_) | Target::Nothing => return,

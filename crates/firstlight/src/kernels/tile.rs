@@ -238,7 +238,7 @@ impl<S: Simd> Tile<S> {
                 }
                 Target::Other(surface) => {
                     let group = (g, &mut self.groups[g]);
-                    walk.visit::<S, ANY>(self.simd, group, lanes, surface, &mut self.single)
+                    walk.visit::<S, ANY>(group, lanes, surface, &mut self.single)
                 }
             };
             if changed {

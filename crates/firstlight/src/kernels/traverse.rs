@@ -29,10 +29,11 @@ pub(crate) trait HitFilter: Sync {
 
 /// What a tree holds besides triangles.
 pub(crate) trait Others: Sync {
-    /// Looks for hits of `surface` before `hit`; returns whether there was one.
-    fn visit<S: Simd, const ANY: bool>(
+    /// Looks for hits of `surface` before `hit`; returns whether there was one. What has a tree of its own runs a kernel of
+    /// its own, so that this one stays small.
+    fn visit<const ANY: bool>(
         &self,
-        search: &Search<S>,
+        search: &Search<()>,
         surface: u32,
         hit: &mut Hit,
         stack: &mut Stack,
@@ -42,9 +43,9 @@ pub(crate) trait Others: Sync {
     fn name(&self, hits: &mut [Hit]);
 }
 
-/// What stays the same while one ray looks for its hit.
+/// What stays the same while one ray looks for its hit, and the instructions that it is looked for with, if they are known.
 pub(crate) struct Search<'a, S> {
-    pub(super) simd: S,
+    pub simd: S,
     /// The ray in world space.
     pub ray: &'a Ray,
     /// Asked about triangles with flags.
@@ -176,6 +177,15 @@ impl Stack {
     }
 }
 
+impl<'a, S> Search<'a, S> {
+    /// The same with other instructions.
+    #[inline(always)]
+    pub(crate) fn with<T>(&self, simd: T) -> Search<'a, T> {
+        let Self { ray, filter, flags, .. } = *self;
+        Search { simd, ray, filter, flags }
+    }
+}
+
 impl<S: Simd> Search<'_, S> {
     /// Looks through `tree` with `ray`, given in the tree's space. Returns whether `hit` was replaced.
     #[inline(always)]
@@ -224,7 +234,7 @@ impl<S: Simd> Search<'_, S> {
                     if ANY && found { None } else { stack.pop(base, hit.t) }
                 }
                 Target::Other(surface) => {
-                    found |= others.visit::<S, ANY>(self, surface, hit, stack);
+                    found |= others.visit::<ANY>(&self.with(()), surface, hit, stack);
                     if ANY && found { None } else { stack.pop(base, hit.t) }
                 }
                 Target::Nothing => stack.pop(base, hit.t),
