@@ -240,23 +240,21 @@ impl Text<'_> {
         writeln!(f, "× 2^{exposure_ev}, view {view}: {} or {r}, {g}, {b} of 255", triple(*display))
     }
 
-    /// What one light does here.
+    /// What one light does here, in the air before and on the surface.
     fn why_not(&self, f: &mut Formatter<'_>, name: &str) -> fmt::Result {
-        let lights = self.explanation.path.first().map_or(&[][..], |step| &step.lights);
-        let Some(light) = lights.iter().find(|light| light.source == name) else {
-            let known: Vec<_> = lights.iter().map(|light| light.source.as_str()).collect();
-            let known = if known.is_empty() { "none".into() } else { known.join(", ") };
-            return writeln!(
-                f,
-                "no light '{}' is asked here; there are: {}",
-                visible(name),
-                visible(&known)
-            );
+        let step = self.explanation.path.first();
+        let lights = || step.into_iter().flat_map(|step| step.air.iter().chain(&step.lights));
+        let asked: Vec<_> = lights().filter(|light| light.source == name).collect();
+        let Some(last) = asked.last() else {
+            let known: BTreeSet<_> = lights().map(|light| light.source.as_str()).collect();
+            let known = known.into_iter().collect::<Vec<_>>().join(", ");
+            let known = if known.is_empty() { "none".into() } else { visible(&known).to_string() };
+            return writeln!(f, "no light '{}' is asked here; there are: {known}", visible(name));
         };
-        self.light(f, light)?;
+        asked.iter().try_for_each(|light| self.light(f, light))?;
         self.rays_to(f, name)?;
-        let share = percent(light.share);
-        writeln!(f, "\nlight '{}' makes {share} of the pixel: {}", visible(name), verdict(light))
+        let share = percent(last.share);
+        writeln!(f, "\nlight '{}' makes {share} of the pixel: {}", visible(name), verdict(last))
     }
 }
 

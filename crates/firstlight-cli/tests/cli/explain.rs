@@ -56,6 +56,24 @@ fn pixels_outside_are_refused() {
     folder.run(&format!("{TOP} --pixel 1,1 --why-not sun")).fails(2, &["\"sun\"", "lamp"]);
 }
 
+/// In front of nothing there is no surface at which a light could be asked.
+#[test]
+fn lamps_are_found_in_the_air() {
+    let folder = Folder::new();
+    folder.write(
+        "fog.toml",
+        r#"
+        camera.perspective = { position = [0, -4, 1], target = [0, 0, 1], fov = 40 }
+        film = { resolution = [8, 8], samples = 4 }
+        medium = { extinction = 0.1, albedo = 0.9 }
+        lights.lamp.point = { position = [0.5, 0, 1], intensity = 10 }
+        "#,
+    );
+    let text = folder.run("explain fog.toml --pixel 4,4 --why-not lamp").done().text();
+    assert!(text.contains("asked for all of the way in fog"), "{text}");
+    assert!(text.contains("light 'lamp' makes 100 % of the pixel"), "{text}");
+}
+
 /// Without a question, it is told how many of the pixel's shadow rays were stopped.
 #[test]
 fn blocked_rays_are_counted() {
