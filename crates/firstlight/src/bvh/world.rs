@@ -5,13 +5,12 @@ use super::reference::{Item, Reference, Triangles};
 use super::runs::{Run, Runs};
 use super::wide;
 use crate::geometry::{Analytic, Bounds, DOUBLE_ERROR, Hit, Ray};
-use crate::kernels::{HitFilter, Others, Search, Stack, Tree, forget, search};
+use crate::kernels::{Answer, HitFilter, Others, Search, Stack, Tree, forget, search};
 use crate::scene::description::{Mesh, Motion};
 use crate::simd::{Kernel, Level, Simd};
 use glam::{DAffine3, Vec3};
 use rayon::prelude::*;
 use std::borrow::Cow;
-use std::cell::RefCell;
 use std::collections::HashMap;
 use std::slice::from_mut;
 use std::sync::Arc;
@@ -218,33 +217,34 @@ impl World {
     /// What each ray hits first, in its range.
     pub(crate) fn closest_hits(&self, rays: &[Ray], filter: &dyn HitFilter, hits: &mut Vec<Hit>) {
         hits.resize(rays.len(), Hit::none(0.0));
-        self.search::<false>(rays, filter, hits);
+        self.search(rays, filter, hits);
     }
 
     /// Whether each ray hits anything in its range.
     pub(crate) fn occluded(&self, rays: &[Ray], filter: &dyn HitFilter, occluded: &mut Vec<bool>) {
-        thread_local!(static HITS: RefCell<Vec<Hit>> = const { RefCell::new(Vec::new()) });
-        // A filter may itself ask for what is occluded.
-        let mut hits = HITS.take();
-        hits.resize(rays.len(), Hit::none(0.0));
-        self.search::<true>(rays, filter, &mut hits);
-        occluded.clear();
-        occluded.extend(hits.iter().map(Hit::is_some));
-        HITS.set(hits);
+        occluded.resize(rays.len(), false);
+        self.search(rays, filter, occluded);
     }
 
-    fn search<const ANY: bool>(&self, rays: &[Ray], filter: &dyn HitFilter, hits: &mut [Hit]) {
+    fn search<A: Answer<ANY>, const ANY: bool>(
+        &self,
+        rays: &[Ray],
+        filter: &dyn HitFilter,
+        answers: &mut [A],
+    ) {
         let filter = Named { runs: &self.runs, filter };
-        if !self.endless.is_empty() {
-            forget(rays, hits);
+        let known = !self.endless.is_empty();
+        if known {
+            forget(rays, answers);
         }
         for &surface in &self.endless {
-            for (ray, hit) in rays.iter().zip(&mut *hits) {
-                self.cross(ray, surface, &filter, hit);
+            for (ray, answer) in rays.iter().zip(&mut *answers) {
+                let mut hit = answer.hit(ray.t_max);
+                self.cross(ray, surface, &filter, &mut hit);
+                *answer = A::of(&hit);
             }
         }
-        let batch = (rays, hits, !self.endless.is_empty());
-        search::<ANY>(self.level, &self.top, self, &filter, batch);
+        search(self.level, &self.top, self, &filter, (rays, answers, known));
     }
 
     /// Meets an analytic surface. Returns whether `hit` was replaced.

@@ -4,7 +4,7 @@
 use super::group::Group;
 use super::layout::{Child, Tree};
 use super::traverse::{FLATTENED, HitFilter, Others, Search, Stack};
-use crate::geometry::{Hit, Ray};
+use crate::geometry::Ray;
 use crate::simd::{Simd, Vectors};
 
 /// What is walked through, and what for.
@@ -15,8 +15,15 @@ pub(super) struct Walk<'a, O> {
     /// The flags that the filter wants to be asked about.
     pub flags: u32,
     pub rays: &'a [Ray],
-    pub hits: &'a mut [Hit],
 }
+
+impl<O> Clone for Walk<'_, O> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<O> Copy for Walk<'_, O> {}
 
 impl<O: Others> Walk<'_, O> {
     /// Brings rays of group `g` to what is below `start`. Returns whether a hit was replaced.

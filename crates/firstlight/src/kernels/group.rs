@@ -1,7 +1,7 @@
 //! Some rays, as many as vectors for rays have lanes, structure of arrays, prepared for boxes and triangles.
 
 use super::layout::{Axis, EntryPlanes, Node, TriangleBlock};
-use super::traverse::{FLATTENED, PAD, SMALLEST, Slabs};
+use super::traverse::{Answer, FLATTENED, PAD, SMALLEST, Slabs};
 use super::triangles::{Shear, axes};
 use crate::geometry::{Hit, NOTHING, Ray};
 use crate::simd::{LANES, Lanes, MOST, Mask, Simd, Vectors};
@@ -136,14 +136,15 @@ impl<V: Vectors> Group<V> {
         self.surface = simd.splat(f32::from_bits(NOTHING)).to_array();
     }
 
-    /// Starts with hits that are known. (Not inlined: where the processor can gather them from memory it does so slowly.)
+    /// Starts with answers that are known. (Not inlined: where the processor can gather them from memory it does so slowly.)
     #[inline(never)]
-    pub(super) fn know<const ANY: bool>(&mut self, hits: &[Hit]) {
-        for (lane, hit) in hits.iter().enumerate() {
+    pub(super) fn know<A: Answer<ANY>, const ANY: bool>(&mut self, answers: &[A]) {
+        for (lane, answer) in answers.iter().enumerate() {
+            let hit = answer.hit(at::<V>(&self.t, lane));
             if hit.is_some() {
-                self.found::<ANY>(lane, hit);
+                self.found::<ANY>(lane, &hit);
             } else {
-                self.set_hit(lane, hit);
+                self.set_hit(lane, &hit);
             }
         }
     }
@@ -202,19 +203,16 @@ impl<V: Vectors> Group<V> {
         self.primitive = primitive.select(rays, simd.load(&self.primitive)).to_array();
     }
 
-    /// The hits of its rays; of any hit, only whether there is one.
+    /// The answers of its rays.
     #[inline(always)]
-    pub(super) fn answer<const ANY: bool>(&self, hits: &mut [Hit]) {
+    pub(super) fn answer<A: Answer<ANY>, const ANY: bool>(&self, answers: &mut [A]) {
         let weights = self.u.as_ref().iter().zip(self.v.as_ref());
         let names = self.surface.as_ref().iter().zip(self.primitive.as_ref());
         let rows = self.t.as_ref().iter().zip(weights).zip(names);
-        for (hit, ((&t, (&u, &v)), (surface, primitive))) in hits.iter_mut().zip(rows) {
-            let (surface, primitive) = (surface.to_bits(), primitive.to_bits());
-            if ANY {
-                hit.surface = if t == f32::NEG_INFINITY { FLATTENED } else { NOTHING };
-            } else {
-                *hit = Hit { t, u, v, surface, primitive };
-            }
+        for (answer, ((&t, (&u, &v)), (surface, primitive))) in answers.iter_mut().zip(rows) {
+            let any = if t == f32::NEG_INFINITY { FLATTENED } else { NOTHING };
+            let surface = if ANY { any } else { surface.to_bits() };
+            *answer = A::of(&Hit { t, u, v, surface, primitive: primitive.to_bits() });
         }
     }
 

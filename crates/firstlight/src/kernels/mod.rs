@@ -16,4 +16,4 @@ pub(crate) use layout::{
     Child, Node, ONE_SIDED, PARTLY_THERE, Tree, TriangleBlock, Vertices, Word,
 };
 pub(crate) use order::slots_for;
-pub(crate) use traverse::{FLATTENED, HitFilter, Others, Search, Stack};
+pub(crate) use traverse::{Answer, FLATTENED, HitFilter, Others, Search, Stack};

@@ -9,7 +9,7 @@ use super::alone::Walk;
 use super::group::Group;
 use super::layout::{Child, EntryPlanes, Node, Places, Target, Tree};
 use super::order::Order;
-use super::traverse::{FLATTENED, Others, Search, Slabs, Stack};
+use super::traverse::{Answer, FLATTENED, Others, Search, Slabs, Stack};
 use super::triangles::Shear;
 use crate::geometry::{Hit, Ray};
 use crate::simd::{Eight, LANES, Lanes, MOST, Simd, Vectors};
@@ -40,17 +40,17 @@ impl Strays {
 
     /// Adds rays that start with number `first`, but for those whose answer is known.
     #[inline(always)]
-    pub(super) fn add<const ANY: bool>(
+    pub(super) fn add<A: Answer<ANY>, const ANY: bool>(
         &mut self,
         first: usize,
         rays: &[Ray],
-        (hits, known): (&mut [Hit], bool),
+        (answers, known): (&mut [A], bool),
     ) {
-        for (i, (ray, hit)) in rays.iter().zip(hits).enumerate() {
+        for (i, (ray, answer)) in rays.iter().zip(answers).enumerate() {
             if !known {
-                *hit = Hit::none(ray.t_max);
+                *answer = A::none(ray.t_max);
             }
-            if !(ANY && hit.is_some()) {
+            if !(ANY && answer.hit(ray.t_max).is_some()) {
                 self.0[ray.octant() as usize % 8].push((first + i) as u32);
             }
         }
@@ -63,9 +63,14 @@ impl Strays {
 
     /// Answers them; they are numbers of `walk`'s rays.
     #[inline(always)]
-    pub(super) fn answer<S: Simd, O: Others, const ANY: bool>(&self, simd: S, walk: Walk<O>) {
+    pub(super) fn answer<S: Simd, O: Others, A: Answer<ANY>, const ANY: bool>(
+        &self,
+        simd: S,
+        walk: Walk<O>,
+        answers: &mut [A],
+    ) {
         let mut walkers = std::array::from_fn(|_| Walker::nowhere(simd));
-        let mut stream = Stream::new(simd, walk, &mut walkers);
+        let mut stream = Stream::new(simd, (walk, answers), &mut walkers);
         for (octant, rays) in self.0.iter().enumerate() {
             stream.answer::<ANY>(octant as u32, rays);
         }
@@ -151,9 +156,16 @@ impl<S: Simd> Walker<S> {
 
     /// Meets what is not a node, one after the other, until it comes to a node or is done.
     #[inline(always)]
-    fn meet<O: Others, const ANY: bool>(&mut self, simd: S, walk: &mut Walk<O>, stack: &mut Stack) {
+    fn meet<O: Others, A: Answer<ANY>, const ANY: bool>(
+        &mut self,
+        simd: S,
+        (walk, answers): (&Walk<O>, &mut [A]),
+        stack: &mut Stack,
+    ) {
         let number = self.ray as usize;
-        let (ray, hit) = (&walk.rays[number], &mut walk.hits[number]);
+        let (ray, answer) = (&walk.rays[number], &mut answers[number]);
+        let mut spare = Hit::none(ray.t_max);
+        let hit = answer.hit_or(&mut spare);
         let search = Search { simd, ray, filter: walk.filter, flags: walk.flags };
         loop {
             let in_reach = self.is_in_reach::<ANY>();
@@ -170,6 +182,8 @@ impl<S: Simd> Walker<S> {
             };
             if ANY && found {
                 self.at = Child::NOTHING;
+                let any = A::of(hit);
+                *answer = any;
                 return;
             }
             self.t = hit.t;
@@ -215,9 +229,10 @@ impl Crowd {
 }
 
 /// Rays that walk through a tree in turns.
-struct Stream<'a, S: Simd, O> {
+struct Stream<'a, S: Simd, O, A> {
     simd: S,
     walk: Walk<'a, O>,
+    answers: &'a mut [A],
     places: Places,
     walkers: &'a mut [Walker<S>; WALKERS],
     /// The rays that set out next.
@@ -226,13 +241,18 @@ struct Stream<'a, S: Simd, O> {
     inner: Stack,
 }
 
-impl<'a, S: Simd, O: Others> Stream<'a, S, O> {
+impl<'a, S: Simd, O: Others, A> Stream<'a, S, O, A> {
     #[inline(always)]
-    fn new(simd: S, walk: Walk<'a, O>, walkers: &'a mut [Walker<S>; WALKERS]) -> Self {
+    fn new(
+        simd: S,
+        (walk, answers): (Walk<'a, O>, &'a mut [A]),
+        walkers: &'a mut [Walker<S>; WALKERS],
+    ) -> Self {
         Self {
             simd,
             places: walk.tree.places(),
             walk,
+            answers,
             walkers,
             group: Group::EMPTY,
             inner: Stack::new(),
@@ -241,7 +261,10 @@ impl<'a, S: Simd, O: Others> Stream<'a, S, O> {
 
     /// Answers `rays`, whose directions have the signs in `octant`.
     #[inline(always)]
-    fn answer<const ANY: bool>(&mut self, octant: u32, rays: &[u32]) {
+    fn answer<const ANY: bool>(&mut self, octant: u32, rays: &[u32])
+    where
+        A: Answer<ANY>,
+    {
         let mut crowd = Crowd::IDLE;
         let mut next = self.set_out(rays, 0, &mut crowd);
         while !crowd.at_nodes.is_empty() {
@@ -259,22 +282,22 @@ impl<'a, S: Simd, O: Others> Stream<'a, S, O> {
             self.meet::<ANY>(&mut crowd);
             next = self.set_out(rays, next, &mut crowd);
         }
-        if !ANY {
-            self.name(rays);
-        }
-    }
-
-    /// Names the surfaces that `rays` have hit.
-    #[inline(always)]
-    fn name(&mut self, rays: &[u32]) {
         for &ray in rays {
-            self.walk.others.name(std::slice::from_mut(&mut self.walk.hits[ray as usize]));
+            A::name(std::slice::from_mut(&mut self.answers[ray as usize]), self.walk.others);
         }
     }
 
     /// Idle walkers take up rays from number `next` on; returns that of the ray after them.
     #[inline(always)]
-    fn set_out(&mut self, rays: &[u32], mut next: usize, crowd: &mut Crowd) -> usize {
+    fn set_out<const ANY: bool>(
+        &mut self,
+        rays: &[u32],
+        mut next: usize,
+        crowd: &mut Crowd,
+    ) -> usize
+    where
+        A: Answer<ANY>,
+    {
         while next < rays.len() {
             let Some(walker) = crowd.idle.next() else { break };
             if next.is_multiple_of(S::Rays::COUNT) {
@@ -285,7 +308,8 @@ impl<'a, S: Simd, O: Others> Stream<'a, S, O> {
                 self.group.prepare(self.simd.rays(), self.walk.tree.reach);
             }
             let (ray, group) = (rays[next], (&self.group, next % S::Rays::COUNT));
-            let t = self.walk.hits[ray as usize].t;
+            let number = ray as usize;
+            let t = self.answers[number].hit(self.walk.rays[number].t_max).t;
             self.walkers[walker].start(self.simd, group, ray, t);
             crowd.at_nodes.0 |= 1 << walker;
             next += 1;
@@ -324,11 +348,15 @@ impl<'a, S: Simd, O: Others> Stream<'a, S, O> {
 
     /// All walkers elsewhere meet what is there.
     #[inline(always)]
-    fn meet<const ANY: bool>(&mut self, crowd: &mut Crowd) {
+    fn meet<const ANY: bool>(&mut self, crowd: &mut Crowd)
+    where
+        A: Answer<ANY>,
+    {
         let mut done = 0;
         for number in crowd.elsewhere {
             let walker = &mut self.walkers[number];
-            walker.meet::<O, ANY>(self.simd, &mut self.walk, &mut self.inner);
+            let batch = (&self.walk, &mut *self.answers);
+            walker.meet::<O, A, ANY>(self.simd, batch, &mut self.inner);
             done |= walker.at.is_no_node() << number;
         }
         crowd.idle.0 |= done;

@@ -16,9 +16,9 @@ use super::beams::{Beams, GROUPS, Row, WHOLE, extremes};
 use super::group::{Group, all, load};
 use super::layout::{Child, EntryPlanes, Node, Target, Tree, TriangleBlock};
 use super::stream::Strays;
-use super::traverse::{FLATTENED, Others, PAD, Search, Stack};
+use super::traverse::{Answer, FLATTENED, Others, PAD, Search, Stack};
 use super::triangles::{accept, cross, plane_distances};
-use crate::geometry::{Hit, Ray};
+use crate::geometry::Ray;
 use crate::simd::{LANES, Lanes, MOST, Mask, Simd, Vectors};
 use std::ops::Range;
 
@@ -70,35 +70,32 @@ impl<S: Simd> Tile<S> {
         }
     }
 
-    /// Answers the rays of `walk`, at most eight groups. Those that do not go together are added to `strays`, if there are
-    /// to be any; they count from `base`. `known`: there are hits already.
+    /// Answers the rays of `walk`, at most eight groups. `known`: there are answers already. Rays that do not go together are
+    /// added to `strays`, if there are to be any; they count from `base`.
     #[inline(always)]
-    pub(super) fn answer<O: Others, const ANY: bool>(
+    pub(super) fn answer<O: Others, A: Answer<ANY>, const ANY: bool>(
         &mut self,
         walk: Walk<O>,
-        known: bool,
+        (answers, known): (&mut [A], bool),
         (base, mut strays): (usize, Option<&mut Strays>),
     ) {
-        let count = walk.rays.len().div_ceil(S::Rays::COUNT);
-        for g in 0..count {
-            let lanes = S::Rays::COUNT * g..walk.rays.len().min(S::Rays::COUNT * (g + 1));
-            let (rays, hits) = (&walk.rays[lanes.clone()], &mut walk.hits[lanes]);
+        let (size, mut count) = (S::Rays::COUNT, 0);
+        for (rays, answers) in walk.rays.chunks(size).zip(answers.chunks_mut(size)) {
             self.prefetch_next(rays);
             // Most that do not go together differ in the first and the last.
             let apart = strays.is_some() && rays[0].octant() != rays[rays.len() - 1].octant();
-            let octant = if apart { None } else { self.load(g, rays) };
+            let octant = if apart { None } else { self.load(count, rays) };
             if octant.is_some() || strays.is_none() {
-                self.prepare::<ANY>(g, walk.tree.reach, (hits, known));
+                self.prepare(count, walk.tree.reach, (answers, known));
             }
-            let group = &self.groups[g % GROUPS];
-            self.octants[g % GROUPS] = octant.filter(|_| group.goes_one_way());
+            let group = &self.groups[count % GROUPS];
+            self.octants[count % GROUPS] = octant.filter(|_| group.goes_one_way());
             match &mut strays {
-                _ if self.octants[g % GROUPS].is_some() => {}
-                Some(strays) => {
-                    strays.add::<ANY>(base + S::Rays::COUNT * g, rays, (hits, known));
-                }
-                None => self.alone::<O, ANY>(g, &walk),
+                _ if self.octants[count % GROUPS].is_some() => {}
+                Some(strays) => strays.add(base + size * count, rays, (answers, known)),
+                None => self.alone::<O, ANY>(count, &walk),
             }
+            count += 1;
         }
         let mut first = 0;
         while first < count {
@@ -108,14 +105,12 @@ impl<S: Simd> Tile<S> {
             }
             first = end.max(first + 1);
         }
-        for (g, hits) in walk.hits.chunks_mut(S::Rays::COUNT).enumerate() {
+        for (g, answers) in answers.chunks_mut(size).enumerate() {
             if self.octants[g % GROUPS].is_some() || strays.is_none() {
-                self.groups[g % GROUPS].answer::<ANY>(hits);
+                self.groups[g % GROUPS].answer(answers);
             }
         }
-        if !ANY {
-            walk.others.name(walk.hits);
-        }
+        A::name(answers, walk.others);
     }
 
     /// Asks for the rays of the next tile, as far as they stand where these do in this one.
@@ -136,15 +131,19 @@ impl<S: Simd> Tile<S> {
         group.octant()
     }
 
-    /// Prepares the rays of a group, some of which may have hits that are known.
+    /// Prepares the rays of a group, some of which may have answers that are known.
     #[inline(always)]
-    fn prepare<const ANY: bool>(&mut self, g: usize, reach: f32, (hits, known): (&[Hit], bool)) {
+    fn prepare<A: Answer<ANY>, const ANY: bool>(
+        &mut self,
+        g: usize,
+        reach: f32,
+        (answers, known): (&[A], bool),
+    ) {
         let group = &mut self.groups[g % GROUPS];
         group.prepare(self.simd.rays(), reach);
+        group.forget(self.simd.rays());
         if known {
-            group.know::<ANY>(hits);
-        } else {
-            group.forget(self.simd.rays());
+            group.know(answers);
         }
     }
 

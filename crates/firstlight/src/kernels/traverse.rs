@@ -6,7 +6,7 @@
 
 use super::layout::{Child, EntryPlanes, Node, Target, Tree, TriangleBlock};
 use super::triangles::{Shear, accept, reciprocal};
-use crate::geometry::{Hit, Ray};
+use crate::geometry::{Hit, NOTHING, Ray};
 use crate::simd::{LANES, Lanes, Mask, Simd};
 
 /// [`Hit::surface`] of a triangle of the world's own tree, before its surface has been looked up.
@@ -41,6 +41,71 @@ pub(crate) trait Others: Sync {
 
     /// Names the surfaces of hits that are [`FLATTENED`].
     fn name(&self, hits: &mut [Hit]);
+}
+
+/// What is wanted of a ray: its closest hit, or (`ANY`) whether there is any.
+pub(crate) trait Answer<const ANY: bool>: Copy {
+    /// No hit up to `t_max`.
+    fn none(t_max: f32) -> Self;
+    /// That of a ray with this hit.
+    fn of(hit: &Hit) -> Self;
+    /// The hit, as far as it is known, of a ray that ends at `t_max`.
+    fn hit(&self, t_max: f32) -> Hit;
+    /// The hit itself, or else `spare`, which is none.
+    fn hit_or<'a>(&'a mut self, spare: &'a mut Hit) -> &'a mut Hit;
+    /// Names the surfaces of hits.
+    fn name(answers: &mut [Self], others: &impl Others);
+}
+
+impl Answer<false> for Hit {
+    #[inline(always)]
+    fn none(t_max: f32) -> Self {
+        Self::none(t_max)
+    }
+
+    #[inline(always)]
+    fn of(hit: &Hit) -> Self {
+        *hit
+    }
+
+    #[inline(always)]
+    fn hit(&self, _: f32) -> Hit {
+        *self
+    }
+
+    #[inline(always)]
+    fn hit_or<'a>(&'a mut self, _: &'a mut Hit) -> &'a mut Hit {
+        self
+    }
+
+    #[inline(always)]
+    fn name(answers: &mut [Self], others: &impl Others) {
+        others.name(answers);
+    }
+}
+
+impl Answer<true> for bool {
+    #[inline(always)]
+    fn none(_: f32) -> Self {
+        false
+    }
+
+    #[inline(always)]
+    fn of(hit: &Hit) -> Self {
+        hit.is_some()
+    }
+
+    #[inline(always)]
+    fn hit(&self, t_max: f32) -> Hit {
+        Hit { surface: if *self { FLATTENED } else { NOTHING }, ..Hit::none(t_max) }
+    }
+
+    #[inline(always)]
+    fn hit_or<'a>(&'a mut self, spare: &'a mut Hit) -> &'a mut Hit {
+        spare
+    }
+
+    fn name(_: &mut [Self], _: &impl Others) {}
 }
 
 /// What stays the same while one ray looks for its hit, and the instructions that it is looked for with, if they are known.
