@@ -103,7 +103,10 @@ mod tests {
         hits.push(Hit::none(3.0));
         hits.push(Hit { surface: 4, ..at(7) });
         let others = hits[hits.len() - 2..].to_vec();
+        let mut backward: Vec<_> = hits.iter().rev().copied().collect();
+        runs.name(&mut backward);
         runs.name(&mut hits);
+        assert!(hits.iter().eq(backward.iter().rev()));
         for (hit, (surface, triangle)) in hits.iter().zip(&expected) {
             let in_pairs = surface % 2 == 1;
             let (part, u, v) =
